@@ -1,0 +1,106 @@
+"""Do a robot's URDF and its MuJoCo scene describe the same body?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+import pinocchio
+
+from tsd_casadi import State
+from tsd_casadi.exceptions import ParityError
+from tsd_casadi.robot import Robot
+from tsd_clients.mujoco_state import StateMap
+
+TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class Parity:
+    """Largest absolute differences over some random states.
+
+    Attributes:
+        mass_matrix: [kg, kg m, kg m^2].
+        bias_forces: [N, N m].
+        center_of_mass: [m].
+    """
+
+    mass_matrix: float
+    bias_forces: float
+    center_of_mass: float
+
+
+def random_state(robot: Robot, rng: np.random.Generator) -> State:
+    """A state with every coordinate different from zero.
+
+    Args:
+        robot: The robot.
+        rng: Source of randomness.
+
+    Returns:
+        Joint angles within their limits, base anywhere and turned, all
+        velocities nonzero.
+    """
+    quaternion = rng.normal(size=4)
+    low, high = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
+    q = np.concatenate(
+        (rng.normal(size=3), quaternion / np.linalg.norm(quaternion), rng.uniform(low, high))
+    )
+    return State(q=q, v=rng.normal(size=robot.nv))
+
+
+def measure_parity(robot: Robot, model: Any, states: int = 5, seed: int = 0) -> Parity:
+    """Compare the two descriptions at random states.
+
+    With v_pin = T v_mj, M_mj = T^T M T and h_mj = T^T (M dT/dt v_mj + h).
+
+    Args:
+        robot: The robot, from its URDF.
+        model: ``mujoco.MjModel`` of its scene.
+        states: How many states.
+        seed: Of the random states.
+
+    Returns:
+        The largest differences.
+    """
+    rng = np.random.default_rng(seed)
+    state_map = StateMap(robot, model)
+    data, pin_data = mujoco.MjData(model), robot.model.createData()
+    worst = np.zeros(3)
+    for _ in range(states):
+        state = random_state(robot, rng)
+        state_map.write(data, state)
+        mujoco.mj_forward(model, data)
+        T = state_map.velocity_transform(state)
+        M = pinocchio.crba(robot.model, pin_data, state.q)
+        M = np.triu(M) + np.triu(M, 1).T
+        h = pinocchio.nonLinearEffects(robot.model, pin_data, state.q, state.v)
+        M_mj = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, M_mj)
+        h_mj = T.T @ (M @ state_map.transform_drift(state) + h)
+        com = pinocchio.centerOfMass(robot.model, pin_data, state.q)
+        differences = (
+            np.abs(M_mj - T.T @ M @ T).max(),
+            np.abs(data.qfrc_bias - h_mj).max(),
+            np.abs(data.subtree_com[state_map.base_body] - com).max(),
+        )
+        worst = np.maximum(worst, differences)
+    return Parity(*map(float, worst))
+
+
+def check_parity(robot: Robot, model: Any) -> None:
+    """Refuse a scene that is not the URDF's robot.
+
+    Args:
+        robot: The robot.
+        model: ``mujoco.MjModel`` of its scene.
+
+    Raises:
+        ParityError: If mass matrix, bias forces or centre of mass differ.
+    """
+    parity = measure_parity(robot, model)
+    for quantity, difference in vars(parity).items():
+        if difference > TOLERANCE:
+            raise ParityError(robot.name, quantity.replace("_", " "), difference, TOLERANCE)

@@ -1,0 +1,157 @@
+"""The outcome of one simulated repetition."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.laps import Lap
+from tsd_casadi.motions import Motion
+from tsd_casadi.state import Vector
+
+
+@dataclass(frozen=True)
+class Run:
+    """One repetition, tick by tick, and its measures over whole steady laps.
+
+    Attributes:
+        robot: Name of the robot.
+        motion: What was done.
+        feedforward: The feedforward in use.
+        gains: Gains of the learned task, by field name.
+        settings: Model error, p scale, transport, seed.
+        log: One array per quantity, first axis the tick; see ``LOG_UNITS``.
+        laps: The steady laps with the feedback along the learned axis.
+        laps_run: All whole laps.
+        steady: Whether the feedback settled; if not, the last two laps are
+            measured.
+        fell: Whether the robot fell, which ends the run.
+        failures: Ticks answered with a safe torque, by status name.
+    """
+
+    robot: str
+    motion: Motion
+    feedforward: Feedforward
+    gains: dict[str, list[float]]
+    settings: dict[str, Any]
+    log: dict[str, Vector]
+    laps: list[Lap]
+    laps_run: int
+    steady: bool
+    fell: bool
+    failures: dict[str, int]
+
+    @property
+    def ticks(self) -> int:
+        """Number of control ticks."""
+        return len(self.log["time"])
+
+    def _measured(self, name: str) -> Vector:
+        return self.log[name][self.log["measured"]]
+
+    @property
+    def rms_error(self) -> float:
+        """RMS of the error as the controller sees it [m]."""
+        return _rms(self._measured("error"))
+
+    @property
+    def peak_error(self) -> float:
+        """Largest absolute error as the controller sees it [m]."""
+        return float(np.max(np.abs(self._measured("error")), initial=0.0))
+
+    @property
+    def ac_rms_error(self) -> float:
+        """RMS of the error without its mean, as the controller sees it [m]."""
+        error = self._measured("error")
+        return _rms(error - error.mean()) if error.size else 0.0
+
+    @property
+    def true_rms_error(self) -> float:
+        """RMS of the simulated robot's own error [m]."""
+        return _rms(self._measured("true_error"))
+
+    @property
+    def mean_abs_feedback(self) -> float:
+        """Mean absolute feedback term [m/s^2]."""
+        feedback = self._measured("feedback")
+        return float(np.mean(np.abs(feedback))) if feedback.size else 0.0
+
+    @property
+    def tick_us(self) -> dict[str, float]:
+        """Round trip of a tick as the client sees it [us]."""
+        times = self.log["tick_us"]
+        return {
+            "p50": float(np.percentile(times, 50)),
+            "p99": float(np.percentile(times, 99)),
+            "max": float(np.max(times)),
+        }
+
+    def errors(self) -> dict[str, float]:
+        """The measures that a database entry keeps."""
+        return {
+            "rms_error_m": self.rms_error,
+            "peak_error_m": self.peak_error,
+            "ac_rms_error_m": self.ac_rms_error,
+            "true_rms_error_m": self.true_rms_error,
+            "mean_abs_feedback": self.mean_abs_feedback,
+        }
+
+    def summary(self) -> dict[str, Any]:
+        """Everything but the log, as plain data for JSON."""
+        parameters = self.motion.parameters
+        return {
+            "robot": self.robot,
+            "task": self.motion.name,
+            "amplitude_m": parameters.get("amplitude"),
+            "frequency_hz": self.motion.frequency,
+            **self.settings,
+            "feedforward": self.feedforward.kind,
+            "iteration": self.feedforward.iteration,
+            "gains": self.gains,
+            **self.errors(),
+            "steady": self.steady,
+            "laps_run": self.laps_run,
+            "laps_measured": len(self.laps),
+            "fell": self.fell,
+            "failures": self.failures,
+            "ticks": self.ticks,
+            "tick_us": self.tick_us,
+        }
+
+    def save_log(self, path: Path) -> None:
+        """Write the per-tick log as a compressed npz.
+
+        Args:
+            path: The file.
+        """
+        path.parent.mkdir(parents=True, exist_ok=True)
+        np.savez_compressed(path, **self.log)  # type: ignore[arg-type]
+
+
+LOG_UNITS = {
+    "time": "s",
+    "phase": "rad",
+    "lap": "1, -1 while holding",
+    "measured": "whether the tick is in a steady lap",
+    "reference": "m, along the learned axis, world",
+    "error": "m, as the controller sees it",
+    "true_error": "m, of the simulated robot",
+    "feedback": "m/s^2, along the learned axis",
+    "feedforward": "m/s^2, along the learned axis",
+    "all_errors": "m, rad, all axes of all tasks",
+    "q": "Pinocchio's convention",
+    "v": "Pinocchio's convention",
+    "tau": "N m",
+    "wrenches": "N, N m, sole frames",
+    "status": "0 ok",
+    "compute_us": "us, inside the compiled function",
+    "tick_us": "us, round trip as the client sees it",
+}
+
+
+def _rms(values: Vector) -> float:
+    return float(np.sqrt(np.mean(values**2))) if values.size else 0.0

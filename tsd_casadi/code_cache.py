@@ -1,0 +1,147 @@
+"""Compiled code by content: the same source is compiled once per machine.
+
+An entry is two files, ``<key>.so`` and ``<key>.sha256``; the key is a hash of
+the source, the compiler, its flags and the linked solver. Both are written
+under another name and moved into place, so a reader sees a whole file or none,
+and two processes that compile at once do not disturb each other. An entry
+whose hash does not match is compiled again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import stat
+import subprocess
+import tempfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import casadi
+import platformdirs
+
+from tsd_casadi.exceptions import CacheNotPrivate, CompilationFailed, CompilerNotFound
+
+COMPILERS = ("cc", "gcc", "clang")
+FLAGS = ("-O3", "-march=native", "-std=gnu11", "-fPIC", "-shared", "-fno-math-errno")
+
+
+def cache_folder() -> Path:
+    """The folder of compiled code, made if need be, private to the user.
+
+    ``TSD_CACHE_DIR`` names another one.
+
+    Raises:
+        CacheNotPrivate: If somebody else could write to it.
+    """
+    named = os.environ.get("TSD_CACHE_DIR")
+    folder = Path(named) if named else Path(platformdirs.user_cache_dir("tsd_casadi"))
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    status = folder.stat()
+    if status.st_uid != os.getuid() or status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+        raise CacheNotPrivate(folder)
+    return folder
+
+
+def find_compiler() -> str:
+    """Path of the C compiler: the one in CC, or the first of cc, gcc, clang.
+
+    Raises:
+        CompilerNotFound: If there is none.
+    """
+    named = os.environ.get("CC")
+    candidates = (named,) if named else COMPILERS
+    for candidate in candidates:
+        path = shutil.which(candidate)
+        if path is not None:
+            return path
+    raise CompilerNotFound(candidates)
+
+
+def compile_cached(
+    sources: Mapping[str, str], on_compile: Callable[[], None] | None = None
+) -> Path:
+    """Compile C sources into a shared library, or find it compiled already.
+
+    Args:
+        sources: Source text by file name; files ending in '.c' are compiled.
+        on_compile: Called before a compilation starts, not on a cache hit.
+
+    Returns:
+        The shared library.
+
+    Raises:
+        CompilerNotFound: If it must be compiled and there is no compiler.
+        CompilationFailed: If the compiler refuses.
+        CacheNotPrivate: If the cache folder is not private.
+    """
+    folder = cache_folder()
+    compiler = find_compiler()
+    key = _key(sources, compiler)
+    library, checksum = folder / f"{key}.so", folder / f"{key}.sha256"
+    if _is_intact(library, checksum):
+        return library
+    if on_compile is not None:
+        on_compile()
+    with tempfile.TemporaryDirectory(dir=folder, prefix="build-") as build:
+        built = _compile(sources, compiler, Path(build))
+        digest = built.with_suffix(".sha256")
+        digest.write_text(_digest(built))
+        os.replace(built, library)
+        os.replace(digest, checksum)
+    return library
+
+
+def _solver_folder() -> Path:
+    return Path(casadi.__file__).parent
+
+
+def _key(sources: Mapping[str, str], compiler: str) -> str:
+    digest = hashlib.sha256()
+    for name, text in sorted(sources.items()):
+        digest.update(f"{name}\0{text}\0".encode())
+    # what -march=native means here, and the compiler's version
+    described = subprocess.run(
+        [compiler, "-march=native", "-E", "-v", "-x", "c", os.devnull],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    digest.update(described.stderr.encode())
+    digest.update(repr((FLAGS, casadi.__version__, str(_solver_folder()))).encode())
+    return digest.hexdigest()[:32]
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _is_intact(library: Path, checksum: Path) -> bool:
+    try:
+        return checksum.read_text() == _digest(library)
+    except (OSError, UnicodeDecodeError):
+        return False
+
+
+def _compile(sources: Mapping[str, str], compiler: str, build: Path) -> Path:
+    for name, text in sources.items():
+        (build / name).write_text(text)
+    solver = _solver_folder()
+    built = build / "controller.so"
+    command = [
+        compiler,
+        *FLAGS,
+        f"-I{solver / 'include' / 'daqp'}",
+        *[str(build / name) for name in sources if name.endswith(".c")],
+        f"-L{solver}",
+        "-ldaqp",
+        f"-Wl,-rpath,{solver}",
+        "-lm",
+        "-o",
+        str(built),
+    ]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    if run.returncode != 0:
+        raise CompilationFailed(command, run.stdout + run.stderr)
+    return built

@@ -1,0 +1,83 @@
+"""The C source of one problem: CasADi's functions and the sizes of the tick."""
+
+from __future__ import annotations
+
+import importlib.resources
+from collections.abc import Mapping
+
+import casadi as ca
+
+from tsd_casadi.inverse_dynamics import InverseDynamics
+
+# Bound of a row's violation, measured by DAQP in the metric of the cost. The
+# lightest weight, 1e-6 on forces, turns 1e-9 into at most 1e-6 N.
+PRIMAL_TOLERANCE = 1e-9
+# Some 30 times what stressed states need.
+ITERATION_LIMIT = 400
+# A float32 quaternion is a unit quaternion to 1e-7.
+QUATERNION_TOLERANCE = 1e-3
+
+
+def generate_sources(problem: InverseDynamics) -> dict[str, str]:
+    """Write a problem as C.
+
+    Args:
+        problem: The problem.
+
+    Returns:
+        Source text by file name: the generated functions (problem.c), sizes
+        (problem.h) and the tick around them (tick.c).
+    """
+    generator = ca.CodeGenerator("problem.c", {"with_header": False})
+    generator.add(problem.qp)
+    generator.add(problem.safe_torque)
+    return {
+        "problem.c": generator.dump(),
+        "problem.h": _header(problem),
+        "tick.c": importlib.resources.files("tsd_casadi").joinpath("native/tick.c").read_text(),
+    }
+
+
+def _header(problem: InverseDynamics) -> str:
+    request, reply = problem.format.request, problem.format.reply
+    sizes: dict[str, int | float] = {
+        "N_REQUEST": request.size,
+        "N_REPLY": reply.size,
+        "N_X": problem.nx,
+        "N_TAU": problem.n,
+        "N_ERROR": len(problem.format.axes),
+        "N_BOUNDS": problem.nv,
+        "N_GENERAL": len(problem.format.row_names) - problem.nv,
+        "N_EQUALITIES": problem.n_equalities,
+        "PRIMAL_TOLERANCE": PRIMAL_TOLERANCE,
+        "ITERATION_LIMIT": ITERATION_LIMIT,
+        "QUATERNION_TOLERANCE": QUATERNION_TOLERANCE,
+    }
+    sizes |= {f"REPLY_{part.name.upper()}": reply.slice(part.name).start for part in reply}
+    sizes |= _work_sizes(problem)
+    functions = "\n".join(
+        f"int {name}(const double** arg, double** res, casadi_int* iw, double* w, int mem);"
+        for name in ("qp", "safe_torque")
+    )
+    tables = {"switches": request.switches(), "quaternions": request.quaternions()}
+    return f"typedef long long int casadi_int;\n{_defines(sizes)}\n{functions}\n{_tables(tables)}"
+
+
+def _work_sizes(problem: InverseDynamics) -> dict[str, int]:
+    functions = (problem.qp, problem.safe_torque)
+    return {
+        f"QP_SZ_{part.upper()}": max(1, *(getattr(f, f"sz_{part}")() for f in functions))
+        for part in ("arg", "res", "iw", "w")
+    }
+
+
+def _defines(sizes: Mapping[str, int | float]) -> str:
+    return "\n".join(f"#define {name} {value}" for name, value in sizes.items())
+
+
+def _tables(tables: Mapping[str, list[int]]) -> str:
+    lines = []
+    for name, values in tables.items():
+        lines.append(f"#define N_{name.upper()} {len(values)}")
+        lines.append(f"static const int {name}[] = {{{', '.join(map(str, [*values, 0]))}}};")
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,72 @@
+"""What a controller is asked to do at one tick."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.layout import Layout
+from tsd_casadi.state import State, Vector
+
+
+class Command:
+    """References, gains, weights and limits, with room for the state.
+
+    Fields are read and set by name::
+
+        command["com.P"] = 10.0
+        command["com.reference"][2] += 0.01
+
+    Attributes:
+        request: The whole request vector, (layout.size,); q and v are written
+            at each tick.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        """Start from the defaults: hold the home posture.
+
+        Args:
+            layout: Layout of the request.
+        """
+        self._layout = layout
+        self._q = layout.slice("q")
+        self._v = layout.slice("v")
+        self.request = layout.defaults()
+
+    def __getitem__(self, name: str) -> Vector:
+        """A writable view of a field.
+
+        Raises:
+            UnknownField: If there is none of that name.
+        """
+        return self.request[self._layout.slice(name)]
+
+    def __setitem__(self, name: str, value: ArrayLike) -> None:
+        """Set a field; one number fills all of it.
+
+        Raises:
+            UnknownField: If there is none of that name.
+            InvalidValue: If the shape does not fit.
+        """
+        place = self._layout.slice(name)
+        array = np.asarray(value, dtype=float)
+        size = place.stop - place.start
+        if array.shape not in ((), (1,), (size,)):
+            raise InvalidValue(name, f"of shape {array.shape}", f"one number or shape ({size},)")
+        self.request[place] = array
+
+    def set_state(self, state: State) -> None:
+        """Write the state into the request.
+
+        Args:
+            state: q and v in Pinocchio's conventions.
+        """
+        self.request[self._q] = state.q
+        self.request[self._v] = state.v
+
+    def copy(self) -> Command:
+        """An independent copy."""
+        other = Command(self._layout)
+        other.request[:] = self.request
+        return other

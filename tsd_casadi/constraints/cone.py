@@ -1,0 +1,37 @@
+"""Rows a^T w >= 0 on one contact's wrench w = (f, m) in the sole frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import casadi as ca
+
+from tsd_casadi.rows import INFINITY, Rows
+
+FX, FY, FZ, MX, MY, MZ = range(6)
+
+
+def cone_rows(
+    prefix: str, faces: Mapping[str, Mapping[int, ca.SX | float]], nv: int, selection: ca.SX
+) -> Rows:
+    """Faces of a polyhedral cone of wrenches.
+
+    Args:
+        prefix: Start of the rows' names.
+        faces: Coefficients of each face by wrench component, by face name.
+        nv: Size of v.
+        selection: (6, 6 m), picks this contact's wrench out of lambda.
+
+    Returns:
+        One row a^T w >= 0 per face.
+    """
+    a = ca.SX.zeros(len(faces), 6)
+    for row, face in enumerate(faces.values()):
+        for component, coefficient in face.items():
+            a[row, component] = coefficient
+    return Rows(
+        names=tuple(f"{prefix}.{face}" for face in faces),
+        A=ca.horzcat(ca.SX(len(faces), nv), a @ selection),
+        lower=ca.SX.zeros(len(faces)),
+        upper=INFINITY * ca.SX.ones(len(faces)),
+    )

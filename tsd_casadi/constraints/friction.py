@@ -1,0 +1,36 @@
+r"""The foot does not slide: a pyramid inside Coulomb's cone.
+
+.. math:: |f_x|, |f_y| \le \frac{\mu}{\sqrt 2} f_z
+    \quad\Rightarrow\quad \sqrt{f_x^2 + f_y^2} \le \mu f_z
+"""
+
+from __future__ import annotations
+
+import math
+
+import casadi as ca
+
+from tsd_casadi.constraints.cone import FX, FY, FZ, cone_rows
+from tsd_casadi.rows import Rows
+
+
+def friction(contact: str, mu: ca.SX, nv: int, selection: ca.SX) -> Rows:
+    """Four rows per contact.
+
+    Args:
+        contact: Name of the contact.
+        mu: Coulomb coefficient.
+        nv: Size of v.
+        selection: (6, 6 m), picks this contact's wrench out of lambda.
+
+    Returns:
+        Rows of the inscribed pyramid.
+    """
+    side = mu / math.sqrt(2)
+    faces = {
+        "-x": {FZ: side, FX: 1.0},
+        "+x": {FZ: side, FX: -1.0},
+        "-y": {FZ: side, FY: 1.0},
+        "+y": {FZ: side, FY: -1.0},
+    }
+    return cone_rows(f"{contact}.friction", faces, nv, selection)

@@ -1,0 +1,27 @@
+r"""The foot does not twist on the ground.
+
+.. math:: |m_z| \le \gamma f_z
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from tsd_casadi.constraints.cone import FZ, MZ, cone_rows
+from tsd_casadi.rows import Rows
+
+
+def normal_torque(contact: str, gamma: ca.SX, nv: int, selection: ca.SX) -> Rows:
+    """Two rows per contact.
+
+    Args:
+        contact: Name of the contact.
+        gamma: Torsional friction [m].
+        nv: Size of v.
+        selection: (6, 6 m), picks this contact's wrench out of lambda.
+
+    Returns:
+        Rows of the resultant normal torque's bound.
+    """
+    faces = {"-z": {FZ: gamma, MZ: 1.0}, "+z": {FZ: gamma, MZ: -1.0}}
+    return cone_rows(f"{contact}.normal_torque", faces, nv, selection)

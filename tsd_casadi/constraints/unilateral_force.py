@@ -1,0 +1,34 @@
+r"""The ground pushes and does not pull.
+
+.. math:: f_z \ge f_{z,min}
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from tsd_casadi.constraints.cone import FZ
+from tsd_casadi.rows import INFINITY, Rows
+
+
+def unilateral_force(
+    contact: str, minimum_force: ca.SX, active: ca.SX, nv: int, selection: ca.SX
+) -> Rows:
+    """One row per contact.
+
+    Args:
+        contact: Name of the contact.
+        minimum_force: Least normal force while in contact [N].
+        active: 1 in contact, 0 not.
+        nv: Size of v.
+        selection: (6, 6 m), picks this contact's wrench out of lambda.
+
+    Returns:
+        Row f_z >= active f_min.
+    """
+    return Rows(
+        names=(f"{contact}.unilateral_force",),
+        A=ca.horzcat(ca.SX(1, nv), selection[FZ, :]),
+        lower=active * minimum_force,
+        upper=INFINITY * ca.SX.ones(1),
+    )

@@ -1,0 +1,378 @@
+"""The database of learned feedforward terms, one SQLite file."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import platformdirs
+
+from tsd_casadi.entry import Entry, Iteration
+from tsd_casadi.exceptions import DatabaseError, EntryNotFound
+from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.generalization import WeightRegression
+from tsd_casadi.motions.squat import UNITS
+from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.recording import Context, Recording, TaskKey
+
+APPLICATION_ID = 0x54534443  # 'TSDC', in the file's header
+SCHEMA_VERSION = 1
+
+SCHEMA = """
+CREATE TABLE entry (
+    id INTEGER PRIMARY KEY AUTOINCREMENT,
+    robot TEXT NOT NULL,
+    task TEXT NOT NULL,
+    axes TEXT NOT NULL,           -- JSON list of 'task.axis'
+    parameters TEXT NOT NULL,     -- JSON object, SI units, rounded to 1e-6
+    basis_size INTEGER NOT NULL,  -- L
+    basis_width REAL NOT NULL,    -- h
+    context TEXT NOT NULL,        -- JSON: formulation, model, gains, version
+    learning_gain REAL NOT NULL,
+    rule TEXT NOT NULL,
+    updated TEXT NOT NULL,        -- ISO 8601, UTC
+    UNIQUE (robot, task, axes, parameters)
+);
+CREATE TABLE iteration (
+    entry INTEGER NOT NULL REFERENCES entry (id) ON DELETE CASCADE,
+    number INTEGER NOT NULL,
+    weights TEXT NOT NULL,        -- JSON, k rows of L numbers [m/s^2]
+    errors TEXT,                  -- JSON object, NULL while untested
+    PRIMARY KEY (entry, number)
+);
+"""
+
+
+def default_path() -> Path:
+    """The database in the user's data folder."""
+    return Path(platformdirs.user_data_dir("tsd_casadi")) / "feedforward.sqlite"
+
+
+class Database:
+    """Learned feedforward terms by robot, task and task parameters.
+
+    Every method is one transaction, so a process that dies in between loses
+    nothing that was answered.
+
+    Attributes:
+        path: The file.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        """Open a database file, or make one.
+
+        Args:
+            path: The file.
+
+        Raises:
+            DatabaseError: If it cannot be opened or is not one of ours.
+        """
+        self.path = Path(path).expanduser()
+        self._regressions: dict[tuple[Any, ...], WeightRegression] = {}
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self._connection = sqlite3.connect(self.path, isolation_level=None)
+        except (OSError, sqlite3.Error) as error:
+            raise DatabaseError(
+                self.path, f"cannot be opened ({error})", "name a file in a folder you may write to"
+            ) from error
+        try:
+            self._prepare()
+        except sqlite3.Error as error:
+            self._connection.close()
+            raise DatabaseError(
+                self.path,
+                f"is not a database of this project ({error})",
+                "name another file with --database; this one was not changed",
+            ) from error
+
+    def close(self) -> None:
+        """Close the file."""
+        self._connection.close()
+
+    def __enter__(self) -> Database:
+        """Use as a context manager."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the file."""
+        self.close()
+
+    def entries(self, robot: str | None = None, task: str | None = None) -> list[Entry]:
+        """Entries, in the order of their identifiers.
+
+        Args:
+            robot: Only of this robot.
+            task: Only of this task.
+        """
+        rows = self._execute(
+            "SELECT id, robot, task, axes, parameters, basis_size, basis_width, context, "
+            "learning_gain, rule, updated FROM entry "
+            "WHERE (?1 IS NULL OR robot = ?1) AND (?2 IS NULL OR task = ?2) ORDER BY id",
+            (robot, task),
+        )
+        return [self._entry(row) for row in rows]
+
+    def record(self, recording: Recording) -> tuple[Entry, list[str]]:
+        """Take in one repetition and learn from it.
+
+        Args:
+            recording: The repetition.
+
+        Returns:
+            The entry as it is now, and remarks for the user.
+
+        Raises:
+            IncompatibleEntry: If it does not fit the entry.
+        """
+        with self._transaction():
+            entry = self._find(recording.key)
+            if entry is not None and recording.restart:
+                self._delete(entry.identifier)
+                entry = None
+            if entry is None:
+                entry = Entry(recording.key, recording.basis, recording.context)
+            notes = entry.add(recording)
+            self._store(entry)
+        return entry, notes
+
+    def forget(self, identifier: int) -> Entry:
+        """Remove an entry with all its iterations.
+
+        Args:
+            identifier: Its number.
+
+        Returns:
+            The entry that was removed.
+
+        Raises:
+            EntryNotFound: If there is none of that number.
+        """
+        with self._transaction():
+            for entry in self.entries():
+                if entry.identifier == identifier:
+                    self._delete(identifier)
+                    return entry
+        raise EntryNotFound(f"no entry {identifier}; 'tsd database list' shows what there is")
+
+    def query(
+        self,
+        task: str,
+        *,
+        robot: str | None = None,
+        kind: str | None = None,
+        extrapolate: bool = False,
+        **parameters: float,
+    ) -> Feedforward:
+        """The feedforward for some task parameters.
+
+        Args:
+            task: Name of the motion.
+            robot: Name of the robot; may be left out while there is only one.
+            kind: 'learned' for the exact entry, 'generalised' for a regression
+                over the other entries; by default the exact entry where there
+                is one.
+            extrapolate: Generalise outside the learned range too.
+            parameters: Task parameters, SI units.
+
+        Returns:
+            The feedforward.
+
+        Raises:
+            EntryNotFound: If nothing fits.
+            OutsideTrainedRange: If it would be an extrapolation.
+        """
+        entries = self._candidates(task, robot)
+        wanted = tuple(sorted((name, round(value, 6)) for name, value in parameters.items()))
+        exact = [entry for entry in entries if entry.key.parameters == wanted]
+        if exact and kind in (None, "learned"):
+            return exact[0].feedforward()
+        if kind == "learned":
+            raise EntryNotFound(
+                f"nothing was learned for {_describe(task, wanted)}; there is "
+                f"{_list(entries)}. Learn it with 'tsd learn {task}', or ask for a "
+                "generalised feedforward"
+            )
+        return self._generalise(task, entries, dict(wanted), extrapolate)
+
+    def _generalise(
+        self, task: str, entries: list[Entry], wanted: dict[str, float], extrapolate: bool
+    ) -> Feedforward:
+        amplitude = wanted["amplitude"]
+        same = [
+            entry
+            for entry in entries
+            if {**dict(entry.key.parameters), "amplitude": amplitude} == wanted
+            and entry.served.number > 0
+        ]
+        others = [e for e in same if dict(e.key.parameters)["amplitude"] != amplitude]
+        if not others:
+            raise EntryNotFound(
+                f"nothing to generalise from for {_describe(task, tuple(wanted.items()))}; "
+                f"there is {_list(entries)}. Learn other amplitudes at this frequency"
+            )
+        self._check_same_basis(others)
+        inputs = [dict(entry.key.parameters)["amplitude"] for entry in others]
+        served = [entry.served for entry in others]
+        content = (
+            tuple(inputs),
+            b"".join(iteration.weights.tobytes() for iteration in served),
+        )
+        if content not in self._regressions:
+            self._regressions = {
+                content: WeightRegression(
+                    "amplitude", UNITS["amplitude"], inputs, [item.weights for item in served]
+                )
+            }
+        regression = self._regressions[content]
+        weights, deviations = regression.predict(amplitude, extrapolate=extrapolate)
+        provenance = {
+            "entries": [entry.identifier for entry in others],
+            "amplitudes": inputs,
+            "iterations": [iteration.number for iteration in served],
+            "iteration": min(iteration.number for iteration in served),
+            "errors": [iteration.errors for iteration in served],
+            "gains": [entry.context.gains for entry in others],
+            "kernel": regression.kernel,
+            "formulation": others[0].context.formulation,
+        }
+        return Feedforward(
+            axes=others[0].key.axes,
+            basis=others[0].basis,
+            weights=weights,
+            standard_deviations=deviations,
+            kind="generalised",
+            parameters=wanted,
+            provenance=provenance,
+        )
+
+    def _check_same_basis(self, entries: list[Entry]) -> None:
+        kinds = {(entry.basis, entry.key.axes, entry.context.formulation) for entry in entries}
+        if len(kinds) > 1:
+            raise EntryNotFound(
+                f"the entries {_list(entries)} were learned with different bases, axes or "
+                "formulations and cannot be generalised together; forget or restart some"
+            )
+
+    def _candidates(self, task: str, robot: str | None) -> list[Entry]:
+        entries = self.entries(robot, task)
+        robots = sorted({entry.key.robot for entry in entries})
+        if len(robots) > 1:
+            raise EntryNotFound(f"name the robot, the database knows {', '.join(robots)}")
+        return entries
+
+    def _find(self, key: TaskKey) -> Entry | None:
+        for entry in self.entries(key.robot, key.task):
+            if entry.key == key:
+                return entry
+        return None
+
+    def _entry(self, row: tuple[Any, ...]) -> Entry:
+        axes, parameters, context = (json.loads(row[i]) for i in (3, 4, 7))
+        iterations = [
+            Iteration(number, np.array(json.loads(weights)), json.loads(errors) if errors else None)
+            for number, weights, errors in self._execute(
+                "SELECT number, weights, errors FROM iteration WHERE entry = ? ORDER BY number",
+                (row[0],),
+            )
+        ]
+        return Entry(
+            key=TaskKey.of(row[1], row[2], tuple(axes), parameters),
+            basis=PeriodicBasis(row[5], row[6]),
+            context=Context(**context),
+            iterations=iterations,
+            learning_gain=row[8],
+            rule=row[9],
+            identifier=row[0],
+            updated=row[10],
+        )
+
+    def _store(self, entry: Entry) -> None:
+        entry.updated = datetime.now(UTC).isoformat(timespec="seconds")
+        values = (
+            entry.key.robot,
+            entry.key.task,
+            json.dumps(entry.key.axes),
+            json.dumps(dict(entry.key.parameters)),
+            entry.basis.L,
+            entry.basis.width,
+            json.dumps(asdict(entry.context)),
+            entry.learning_gain,
+            entry.rule,
+            entry.updated,
+        )
+        rows = self._execute(
+            "INSERT INTO entry (robot, task, axes, parameters, basis_size, basis_width, context, "
+            "learning_gain, rule, updated) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
+            "ON CONFLICT (robot, task, axes, parameters) DO UPDATE SET "
+            "context = excluded.context, learning_gain = excluded.learning_gain, "
+            "rule = excluded.rule, updated = excluded.updated RETURNING id",
+            values,
+        )
+        entry.identifier = rows[0][0]
+        self._execute("DELETE FROM iteration WHERE entry = ?", (entry.identifier,))
+        for iteration in entry.iterations:
+            self._execute(
+                "INSERT INTO iteration (entry, number, weights, errors) VALUES (?, ?, ?, ?)",
+                (
+                    entry.identifier,
+                    iteration.number,
+                    json.dumps(iteration.weights.tolist()),
+                    json.dumps(iteration.errors) if iteration.errors else None,
+                ),
+            )
+
+    def _delete(self, identifier: int) -> None:
+        self._execute("DELETE FROM entry WHERE id = ?", (identifier,))
+
+    def _prepare(self) -> None:
+        (tables,) = self._connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
+        (application,) = self._connection.execute("PRAGMA application_id").fetchone()
+        (version,) = self._connection.execute("PRAGMA user_version").fetchone()
+        if tables == 0 and application == 0:
+            self._connection.executescript(
+                f"BEGIN; {SCHEMA} PRAGMA application_id = {APPLICATION_ID}; "
+                f"PRAGMA user_version = {SCHEMA_VERSION}; COMMIT;"
+            )
+        elif application != APPLICATION_ID:
+            raise sqlite3.DatabaseError("another application's file")
+        elif version != SCHEMA_VERSION:
+            raise sqlite3.DatabaseError(
+                f"schema version {version}, this software knows {SCHEMA_VERSION}"
+            )
+        self._connection.execute("PRAGMA foreign_keys = ON")
+
+    def _execute(self, statement: str, values: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+        try:
+            return self._connection.execute(statement, values).fetchall()
+        except sqlite3.Error as error:
+            raise DatabaseError(
+                self.path,
+                f"cannot be read or written ({error})",
+                "check free disk space, permissions and whether another process holds it",
+            ) from error
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        self._execute("BEGIN IMMEDIATE")
+        try:
+            yield
+        except BaseException:
+            self._execute("ROLLBACK")
+            raise
+        self._execute("COMMIT")
+
+
+def _describe(task: str, parameters: tuple[tuple[str, float], ...]) -> str:
+    return " ".join([task, *(f"{name}={value:g}" for name, value in parameters)])
+
+
+def _list(entries: list[Entry]) -> str:
+    return ", ".join(_describe(e.key.task, e.key.parameters) for e in entries) or "nothing yet"

@@ -1,0 +1,88 @@
+"""A learned or generalised feedforward term."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.state import Matrix
+
+Kind = Literal["learned", "generalised", "constant", "none"]
+
+
+@dataclass(frozen=True)
+class Feedforward:
+    """Accelerations to add to a task's reference, as functions of the phase.
+
+    Attributes:
+        axes: Names 'task.axis' of the k axes.
+        basis: The basis of the weights.
+        weights: (k, L) [m/s^2].
+        standard_deviations: Predictive standard deviation of the weights,
+            (k, L) [m/s^2]; zero for a learned entry.
+        kind: How it came about.
+        parameters: Task parameters it is meant for, SI units.
+        provenance: Where it comes from, plain data.
+    """
+
+    axes: tuple[str, ...]
+    basis: PeriodicBasis
+    weights: Matrix
+    standard_deviations: Matrix
+    kind: Kind
+    parameters: dict[str, float] = field(default_factory=dict)
+    provenance: dict[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def zero(cls, axes: tuple[str, ...], basis: PeriodicBasis) -> Feedforward:
+        """No feedforward."""
+        nothing = np.zeros((len(axes), basis.L))
+        return cls(axes, basis, nothing, nothing, "none")
+
+    @property
+    def iteration(self) -> int:
+        """Learning iterations behind it; 0 for none."""
+        return int(self.provenance.get("iteration", 0))
+
+    def mean(self, phase: ArrayLike) -> Matrix:
+        """The feedforward term.
+
+        Args:
+            phase: (N,) [rad].
+
+        Returns:
+            (k, N) [m/s^2], world axes.
+        """
+        return self.basis.evaluate(phase, self.weights)
+
+    def std(self, phase: ArrayLike) -> Matrix:
+        """Its predictive standard deviation, weights taken as independent.
+
+        Args:
+            phase: (N,) [rad].
+
+        Returns:
+            (k, N) [m/s^2].
+        """
+        variance = self.standard_deviations**2 @ (self.basis.values(phase) ** 2).T
+        return np.asarray(np.sqrt(variance))
+
+    def constant(self) -> Feedforward:
+        """Only its mean over a lap: what an integrator would settle at."""
+        # the basis sums to one, so equal weights are a constant signal
+        phase = np.linspace(0, 2 * np.pi, 720, endpoint=False)
+        mean = self.mean(phase).mean(axis=1, keepdims=True)
+        weights = np.repeat(mean, self.basis.L, axis=1)
+        return Feedforward(
+            self.axes,
+            self.basis,
+            weights,
+            np.zeros_like(weights),
+            "constant",
+            self.parameters,
+            self.provenance,
+        )

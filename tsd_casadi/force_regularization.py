@@ -1,0 +1,21 @@
+r"""Contact forces stay near what is wanted.
+
+.. math:: \|\lambda - \lambda_{des}\|^2_{W_\lambda}
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+
+def force_cost(W_lambda: ca.SX, lambda_des: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Hessian and gradient of half the term in lambda.
+
+    Args:
+        W_lambda: Diagonal of the weight, (6 m,) [1/N^2, 1/(N m)^2].
+        lambda_des: (6 m,) [N, N m], sole frames.
+
+    Returns:
+        H (6 m, 6 m) and g (6 m,).
+    """
+    return ca.diag(W_lambda), -W_lambda * lambda_des

@@ -1,0 +1,259 @@
+r"""The task-space inverse dynamics QP, section III of the paper.
+
+.. math::
+
+    \min_{\ddot q, \lambda} \tfrac12 \Big(
+        \sum_t \|\ddot x_t - \ddot x_{t,des}\|^2_{W_t}
+        + \|P_{null} (\ddot q - \ddot q_{des})\|^2_{W_q}
+        + \|\lambda - \lambda_{des}\|^2_{W_\lambda}
+        + \epsilon \|\ddot q\|^2 \Big)
+
+subject to the base's dynamics, the contacts' accelerations and the limits in
+``constraints``. The last term, not in the paper, makes the Hessian positive
+definite in the directions that only the contact rows determine.
+
+This module is the definition of the controller; what is compiled to C is made
+from the functions here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from tsd_casadi import constraints
+from tsd_casadi.actuated_dynamics import actuated_dynamics
+from tsd_casadi.contact_acceleration import contact_acceleration
+from tsd_casadi.desired_acceleration import desired_acceleration, feedback_acceleration
+from tsd_casadi.force_regularization import force_cost
+from tsd_casadi.layout import Layout
+from tsd_casadi.posture import null_space_projector, posture_acceleration, posture_cost
+from tsd_casadi.robot import Robot
+from tsd_casadi.rows import Rows, stack_rows
+from tsd_casadi.safe_torque import safe_torque
+from tsd_casadi.state import Matrix, Vector
+from tsd_casadi.symbolic_dynamics import SymbolicDynamics
+from tsd_casadi.tasks import Task, make_tasks
+from tsd_casadi.tasks.task import symmetric_matrix
+from tsd_casadi.tick_format import request_layout, tick_format
+from tsd_casadi.unactuated_dynamics import unactuated_dynamics
+
+
+@dataclass(frozen=True)
+class QuadraticProgram:
+    """Minimise x^T H x / 2 + g^T x subject to lower <= (x_1..nv, A x) <= upper.
+
+    Attributes:
+        H: (nx, nx), positive definite.
+        g: (nx,).
+        A: (rows - nv, nx); the first nv rows are simple bounds and not in A.
+        lower: (rows,).
+        upper: (rows,).
+    """
+
+    H: Matrix
+    g: Vector
+    A: Matrix
+    lower: Vector
+    upper: Vector
+
+
+@dataclass(frozen=True)
+class _ContactTerms:
+    """The contacts' part of the problem."""
+
+    J: ca.SX
+    J_active: ca.SX
+    equalities: list[Rows]
+    inequalities: list[Rows]
+    W_lambda: ca.SX
+    lambda_des: ca.SX
+
+
+@dataclass(frozen=True)
+class _TaskCosts:
+    """The tasks' part of the cost."""
+
+    H: ca.SX
+    g: ca.SX
+    J_active: list[ca.SX]
+    error: ca.SX
+    feedback: ca.SX
+
+
+class InverseDynamics:
+    """The QP of one robot as CasADi functions of one request vector.
+
+    Attributes:
+        robot: The robot.
+        tasks: The Cartesian tasks, in the order of error and feedback.
+        n: Number of actuated joints.
+        nv: Size of v and of qdd.
+        nx: Number of variables, nv + 6 m.
+        request: Layout of the request: q, v and the command's fields.
+        format: What a tick's request and reply mean; its rows are nv simple
+            bounds, equalities, cones, joint torques.
+        n_equalities: Number of equality rows, right after the bounds.
+        qp: Function request -> H, g, A, lower, upper, h_a, error, feedback.
+        safe_torque: Function request -> tau.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        """Build the symbolic problem of a robot.
+
+        Args:
+            robot: The robot.
+        """
+        self.robot = robot
+        self.n = robot.n
+        self.nv = robot.nv
+        self.nx = robot.nv + 6 * len(robot.description.contacts)
+        self.tasks: list[Task] = make_tasks(robot)
+        self.request: Layout = request_layout(robot, self.tasks)
+        self._request = ca.SX.sym("request", self.request.size)
+        self._dynamics = SymbolicDynamics(robot, self._read("q"), self._read("v"))
+        self.qp, self.safe_torque = self._build()
+        self.format = tick_format(robot, self.tasks, self.request, self.row_names)
+
+    @property
+    def task_names(self) -> list[str]:
+        """Names of the Cartesian tasks."""
+        return [task.name for task in self.tasks]
+
+    def evaluate(self, request: Vector) -> QuadraticProgram:
+        """The QP's numbers, straight from the definition.
+
+        Args:
+            request: (request.size,).
+
+        Returns:
+            The QP, for inspection and for checks by another solver.
+        """
+        H, g, A, lower, upper = (np.array(part) for part in self.qp(request)[:5])
+        return QuadraticProgram(H, g[:, 0], A, lower[:, 0], upper[:, 0])
+
+    def _read(self, name: str) -> ca.SX:
+        return self._request[self.request.slice(name)]
+
+    def _build(self) -> tuple[ca.Function, ca.Function]:
+        M, h = self._dynamics.mass_matrix(), self._dynamics.bias_forces()
+        contacts = self._contact_terms()
+        tasks = self._task_costs()
+
+        A_tau, h_a = actuated_dynamics(M, h, contacts.J)
+        joints = self.robot.joint_names
+        bounds = constraints.joint_acceleration(joints, self._read("limits.acceleration"), self.nx)
+        equalities = stack_rows([unactuated_dynamics(M, h, contacts.J), *contacts.equalities])
+        torques = constraints.joint_torque(joints, A_tau, h_a, self._read("limits.torque"))
+        rows = stack_rows([equalities, *contacts.inequalities, torques])
+        self.row_names: tuple[str, ...] = (*bounds.names, *rows.names)
+        self.n_equalities = len(equalities.names)
+
+        H_lambda, g_lambda = force_cost(contacts.W_lambda, contacts.lambda_des)
+        qdd_des = posture_acceleration(
+            self._read("posture.P"),
+            self._read("posture.q_ref"),
+            self._read("posture.D"),
+            self._dynamics.q,
+            self._dynamics.v,
+        )
+        terms = {
+            "H": ca.diagcat(tasks.H, H_lambda),
+            "g": ca.vertcat(tasks.g, g_lambda),
+            "A": rows.A,
+            "lower": ca.vertcat(bounds.lower, rows.lower),
+            "upper": ca.vertcat(bounds.upper, rows.upper),
+            "h_a": h_a,
+            "error": tasks.error,
+            "feedback": tasks.feedback,
+            "J": ca.vertcat(*tasks.J_active, contacts.J_active),
+            "W_q": self._read("posture.W"),
+            "qdd_des": qdd_des,
+        }
+        safe = safe_torque(
+            self._dynamics.gravity_forces(),
+            contacts.J_active,
+            self._dynamics.v,
+            self._read("safe_torque.D"),
+            self._read("limits.torque"),
+        )
+        return self._add_posture(terms), self._function("safe_torque", {"tau": safe})
+
+    def _contact_terms(self) -> _ContactTerms:
+        files = self.robot.description.contacts
+        J_all, J_active, equalities, inequalities = [], [], [], []
+        for index, contact in enumerate(files):
+            name = contact.name
+            selection = ca.SX(6, 6 * len(files))
+            selection[:, 6 * index : 6 * index + 6] = ca.SX.eye(6)
+            active = self._read(f"{name}.active")
+            sole = self._dynamics.frame(contact.frame, local=True)
+            J_all.append(sole.J)
+            J_active.append(active * sole.J)
+            equalities.append(contact_acceleration(name, sole.J, sole.drift, active, selection))
+            nv = self.nv
+            mu, gamma = self._read(f"{name}.friction"), self._read(f"{name}.torsional_friction")
+            minimum = self._read(f"{name}.minimum_force")
+            extents = self._read(f"{name}.extents")
+            inequalities += [
+                constraints.center_of_pressure(name, extents, nv, selection),
+                constraints.friction(name, mu, nv, selection),
+                constraints.normal_torque(name, gamma, nv, selection),
+                constraints.unilateral_force(name, minimum, active, nv, selection),
+            ]
+        return _ContactTerms(
+            J=ca.vertcat(*J_all),
+            J_active=ca.vertcat(*J_active),
+            equalities=equalities,
+            inequalities=inequalities,
+            W_lambda=ca.vertcat(*[self._read(f"{contact.name}.W_lambda") for contact in files]),
+            lambda_des=ca.vertcat(*[self._read(f"{contact.name}.lambda_des") for contact in files]),
+        )
+
+    def _task_costs(self) -> _TaskCosts:
+        H = self._read("regularization.acceleration") * ca.SX.eye(self.nv)
+        g = ca.SX.zeros(self.nv)
+        J_active, errors, feedbacks = [], [], []
+        for task in self.tasks:
+
+            def read(name: str, prefix: str = task.name) -> ca.SX:
+                return self._read(f"{prefix}.{name}")
+
+            terms = task.terms(self._dynamics, read)
+            feedback = feedback_acceleration(read("P"), terms.error, read("D"), terms.error_rate)
+            xdd_des = desired_acceleration(
+                read("reference_acceleration"), read("feedforward"), feedback
+            )
+            active = read("active")
+            weighted = active * terms.J.T @ symmetric_matrix(read("W"), task.k)
+            H += weighted @ terms.J
+            g -= weighted @ (xdd_des - terms.drift)
+            J_active.append(active * terms.J)
+            errors.append(terms.error)
+            feedbacks.append(feedback)
+        return _TaskCosts(H, g, J_active, ca.vertcat(*errors), ca.vertcat(*feedbacks))
+
+    def _function(self, name: str, outputs: dict[str, ca.SX]) -> ca.Function:
+        dense = [ca.densify(value) for value in outputs.values()]
+        return ca.Function(name, [self._request], dense, ["request"], list(outputs))
+
+    def _add_posture(self, terms: dict[str, ca.SX]) -> ca.Function:
+        """Add the posture, whose projector is linear algebra and not symbols.
+
+        Written out in scalars, P_null would be 34 000 instructions; as a
+        matrix expression it stays a solve and four products.
+        """
+        request = ca.MX.sym("request", self.request.size)
+        values = dict(
+            zip(terms, self._function("terms", terms).call([request]), strict=True)
+        )
+        P_null = null_space_projector(values.pop("J"))
+        H, g = posture_cost(P_null, values.pop("W_q"), values.pop("qdd_des"))
+        n_lambda = self.nx - self.nv
+        values["H"] += ca.diagcat(H, ca.MX(n_lambda, n_lambda))
+        values["g"] += ca.vertcat(g, ca.MX(n_lambda, 1))
+        return ca.Function(
+            "qp", [request], [ca.densify(v) for v in values.values()], ["request"], list(values)
+        )

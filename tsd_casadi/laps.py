@@ -1,0 +1,65 @@
+"""Whole laps of a periodic run, and which of them are steady."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tsd_casadi.state import Matrix, Vector
+
+# two consecutive laps agree when mean and AC RMS of the feedback do, to
+RELATIVE_TOLERANCE = 0.01
+ABSOLUTE_TOLERANCE = 1e-4  # m/s^2
+
+
+@dataclass(frozen=True)
+class Lap:
+    """One whole lap.
+
+    Attributes:
+        phase: (N,) [rad].
+        feedback: Feedback term along the learned axes, (k, N) [m/s^2].
+    """
+
+    phase: Vector
+    feedback: Matrix
+
+
+def join_laps(laps: Sequence[Lap]) -> tuple[Vector, Matrix]:
+    """All samples of some laps.
+
+    Args:
+        laps: At least one.
+
+    Returns:
+        Phase (N,) [rad] and feedback (k, N) [m/s^2].
+    """
+    phase = np.concatenate([lap.phase for lap in laps])
+    return phase, np.concatenate([lap.feedback for lap in laps], axis=1)
+
+
+def _agree(one: Lap, other: Lap) -> bool:
+    for measure in (np.mean, np.std):
+        a = measure(one.feedback, axis=1)
+        b = measure(other.feedback, axis=1)
+        tolerance = np.maximum(RELATIVE_TOLERANCE * np.abs(a), ABSOLUTE_TOLERANCE)
+        if not bool(np.all(np.abs(a - b) < tolerance)):
+            return False
+    return True
+
+
+def first_steady_lap(laps: Sequence[Lap]) -> int | None:
+    """The first lap from which on every lap agrees with the next.
+
+    Args:
+        laps: Whole laps in order.
+
+    Returns:
+        Its index, or None while the last two laps do not agree.
+    """
+    first = len(laps) - 1
+    while first > 0 and _agree(laps[first - 1], laps[first]):
+        first -= 1
+    return first if first < len(laps) - 1 else None

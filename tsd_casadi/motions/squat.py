@@ -1,0 +1,94 @@
+r"""Vertical sinusoidal squat of the centre of mass.
+
+.. math:: z_{ref} = z_{home} + s(t) A \sin \phi
+
+The phase starts at pi, so the first motion is down, and s rises from 0 to 1
+over the first half lap with zero velocity and acceleration at both ends.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.motions.motion import Reference
+from tsd_casadi.robot import Robot
+
+UNITS = {"amplitude": "m", "frequency": "Hz"}
+
+
+@dataclass(frozen=True)
+class Squat:
+    """A squat.
+
+    Attributes:
+        amplitude: A, half of peak to peak [m].
+        frequency: Laps per second [Hz].
+    """
+
+    amplitude: float
+    frequency: float
+
+    name = "squat"
+    axis = "z"
+    start_phase = math.pi
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Amplitude [m] and frequency [Hz]."""
+        return {"amplitude": self.amplitude, "frequency": self.frequency}
+
+    def task(self, robot: Robot) -> str:
+        """The centre-of-mass task named in the robot file."""
+        return robot.description.motions.squat.task
+
+    def check(self, robot: Robot) -> None:
+        """Refuse what this robot cannot do.
+
+        Raises:
+            InvalidValue: If amplitude or frequency is out of its range.
+        """
+        ranges = robot.description.motions.squat
+        for name, (low, high) in (
+            ("amplitude", ranges.amplitude),
+            ("frequency", ranges.frequency),
+        ):
+            value = self.parameters[name]
+            if low <= value <= high:
+                continue
+            expected = f"{low:g} to {high:g} {UNITS[name]} for {robot.name}"
+            if name == "amplitude" and low <= value / 100 <= high:
+                expected += f"; amplitudes are in metres: did you mean {value / 100:g} m?"
+            raise InvalidValue(name, f"{value:g}", expected)
+
+    def reference(self, elapsed: float) -> Reference:
+        """Reference after some phase since the start.
+
+        Args:
+            elapsed: phi - pi [rad], at least 0.
+
+        Returns:
+            Offset from home [m] with its time derivatives.
+        """
+        omega = 2 * math.pi * self.frequency
+        sine, cosine = -math.sin(elapsed), -math.cos(elapsed)
+        s, sd, sdd = _smooth_step(elapsed / math.pi)
+        # derivatives of s by time: its argument runs at omega / pi
+        sd, sdd = sd * omega / math.pi, sdd * (omega / math.pi) ** 2
+        return Reference(
+            x=self.amplitude * s * sine,
+            xd=self.amplitude * (sd * sine + s * omega * cosine),
+            xdd=self.amplitude * (sdd * sine + 2 * sd * omega * cosine - s * omega**2 * sine),
+        )
+
+
+def _smooth_step(x: float) -> tuple[float, float, float]:
+    """Quintic from 0 to 1 on [0, 1] with its two derivatives."""
+    if x >= 1:
+        return 1.0, 0.0, 0.0
+    return (
+        x**3 * (10 - 15 * x + 6 * x**2),
+        30 * x**2 * (1 - x) ** 2,
+        60 * x * (1 - x) * (1 - 2 * x),
+    )

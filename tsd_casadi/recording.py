@@ -1,0 +1,86 @@
+"""What one repetition leaves behind for learning."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from tsd_casadi.laps import Lap
+from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.state import Matrix
+
+Rule = Literal["guarded", "plain"]
+
+
+@dataclass(frozen=True)
+class TaskKey:
+    """What tells one database entry from another.
+
+    Attributes:
+        robot: Name of the robot.
+        task: Name of the motion, for instance 'squat'.
+        axes: Names 'task.axis' of the learned axes.
+        parameters: Task parameters, SI units, rounded to 1e-6.
+    """
+
+    robot: str
+    task: str
+    axes: tuple[str, ...]
+    parameters: tuple[tuple[str, float], ...]
+
+    @classmethod
+    def of(
+        cls, robot: str, task: str, axes: tuple[str, ...], parameters: dict[str, float]
+    ) -> TaskKey:
+        """Make a key, rounding and sorting the parameters."""
+        rounded = tuple(sorted((name, round(value, 6)) for name, value in parameters.items()))
+        return cls(robot, task, axes, rounded)
+
+    def describe(self) -> str:
+        """For people: 'squat amplitude=0.03 frequency=0.25 on hermes_lower'."""
+        values = " ".join(f"{name}={value:g}" for name, value in self.parameters)
+        return f"{self.task} {values} on {self.robot}"
+
+
+@dataclass(frozen=True)
+class Context:
+    """Under what circumstances a recording was made.
+
+    Attributes:
+        formulation: Layout hash of the controller, hexadecimal.
+        model: Fingerprint of the controller's robot description.
+        gains: Gains of the learned axes, by field name.
+        version: Version of this software.
+    """
+
+    formulation: str
+    model: str
+    gains: dict[str, Any]
+    version: str
+
+
+@dataclass(frozen=True)
+class Recording:
+    """The steady laps of one repetition.
+
+    Attributes:
+        key: The entry it belongs to.
+        basis: The basis of the applied weights.
+        applied: Weights of the feedforward in use, (k, L) [m/s^2].
+        laps: Whole steady laps with the feedback term.
+        errors: Measures of the repetition; 'rms_error_m' decides what is worse.
+        context: Circumstances.
+        rule: 'guarded' never serves what proved worse, 'plain' is the paper's sum.
+        update: False to note the errors only, without learning from the laps.
+        restart: Forget the entry first.
+    """
+
+    key: TaskKey
+    basis: PeriodicBasis
+    applied: Matrix
+    laps: list[Lap]
+    errors: dict[str, float]
+    context: Context
+    rule: Rule = "guarded"
+    update: bool = True
+    restart: bool = False

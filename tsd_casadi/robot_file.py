@@ -1,0 +1,284 @@
+"""The robot file: what a URDF does not say, written and checked as YAML."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from tsd_casadi.exceptions import RobotFileError
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+
+COM_AXES = ("x", "y", "z")
+FRAME_AXES = ("x", "y", "z", "rx", "ry", "rz")
+
+
+class Section(BaseModel):
+    """A part of the robot file; unknown fields are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Contact(Section):
+    """A flat foot on the ground.
+
+    Attributes:
+        name: Name of the contact.
+        frame: Frame of the URDF at the sole, z up out of the ground.
+        x: Extent of the sole along x in that frame, (low, high) [m].
+        y: Extent of the sole along y in that frame, (low, high) [m].
+        friction: Coulomb coefficient that the controller counts on.
+        torsional_friction: Bound of |normal torque| / normal force [m].
+        minimum_force: Least normal force while in contact [N].
+    """
+
+    name: Name
+    frame: str
+    x: tuple[Finite, Finite]
+    y: tuple[Finite, Finite]
+    friction: Positive
+    torsional_friction: Positive
+    minimum_force: NonNegative
+
+
+class ComTaskFile(Section):
+    """Centre-of-mass task: gains and weights per axis, world axes.
+
+    Attributes:
+        type: Always 'com'.
+        name: Name of the task.
+        axes: Controlled axes.
+        P: Stiffness [1/s^2].
+        D: Damping [1/s].
+        W: Weight [(m/s^2)^-2].
+    """
+
+    type: Literal["com"]
+    name: Name
+    axes: tuple[Literal["x", "y", "z"], ...] = COM_AXES  # type: ignore[assignment]
+    P: NonNegative
+    D: NonNegative
+    W: NonNegative
+
+
+class FrameTaskFile(Section):
+    """Task on a frame of the URDF: gains and weights, world axes.
+
+    Attributes:
+        type: Always 'frame'.
+        name: Name of the task.
+        frame: The frame.
+        axes: Controlled axes, translations x y z and rotations rx ry rz.
+        P: Stiffness [1/s^2].
+        D: Damping [1/s].
+        W: Weight [(m/s^2)^-2 or (rad/s^2)^-2].
+    """
+
+    type: Literal["frame"]
+    name: Name
+    frame: str
+    axes: tuple[Literal["x", "y", "z", "rx", "ry", "rz"], ...] = FRAME_AXES  # type: ignore[assignment]
+    P: NonNegative
+    D: NonNegative
+    W: NonNegative
+
+
+class PostureFile(Section):
+    """Posture in the null space of tasks and contacts.
+
+    Attributes:
+        P: Stiffness P_q [1/s^2].
+        D: Damping D_q [1/s].
+        W: Weight W_q [(rad/s^2)^-2].
+    """
+
+    P: NonNegative
+    D: NonNegative
+    W: NonNegative
+
+
+class RegularizationFile(Section):
+    """Weights that make the optimum unique.
+
+    Attributes:
+        force: Weight of contact forces about lambda_des [1/N^2].
+        moment: Weight of contact moments about lambda_des [1/(N m)^2].
+        acceleration: Weight of all accelerations about zero.
+    """
+
+    force: Positive
+    moment: Positive
+    acceleration: Positive
+
+
+class LimitsFile(Section):
+    """Limits beyond those of the URDF.
+
+    Attributes:
+        acceleration: Bound of |joint acceleration| [rad/s^2].
+    """
+
+    acceleration: Positive
+
+
+class SafeTorqueFile(Section):
+    """What a failed tick answers with.
+
+    Attributes:
+        D: Joint damping [N m s/rad].
+    """
+
+    D: NonNegative
+
+
+class SquatFile(Section):
+    """What squats this robot can do.
+
+    Attributes:
+        task: Name of the centre-of-mass task that carries them.
+        amplitude: Range, half of peak to peak, (low, high) [m].
+        frequency: Range (low, high) [Hz].
+    """
+
+    task: Name
+    amplitude: tuple[Positive, Positive]
+    frequency: tuple[Positive, Positive]
+
+
+class MotionsFile(Section):
+    """The motions this robot can do.
+
+    Attributes:
+        squat: Vertical sinusoidal squat.
+    """
+
+    squat: SquatFile
+
+
+class RobotFile(Section):
+    """A robot as its file describes it.
+
+    Attributes:
+        name: Name of the robot, one chunk of its network keys.
+        urdf: URDF, relative to the robot file.
+        scene: MuJoCo scene, relative to the robot file.
+        home: Joint angles of the home posture [rad]; joints left out are zero.
+        contacts: The feet.
+        tasks: The Cartesian tasks.
+        posture: Null-space posture.
+        regularization: Weights on forces and accelerations.
+        limits: Limits beyond those of the URDF.
+        safe_torque: What a failed tick answers with.
+        motions: The motions the robot can do.
+    """
+
+    name: Name
+    urdf: str
+    scene: str
+    home: dict[str, Finite]
+    contacts: Annotated[tuple[Contact, ...], Field(min_length=1)]
+    tasks: Annotated[
+        tuple[Annotated[ComTaskFile | FrameTaskFile, Field(discriminator="type")], ...],
+        Field(min_length=1),
+    ]
+    posture: PostureFile
+    regularization: RegularizationFile
+    limits: LimitsFile
+    safe_torque: SafeTorqueFile
+    motions: MotionsFile
+
+
+def read_robot_file(path: Path) -> RobotFile:
+    """Read and check a robot file.
+
+    Args:
+        path: The YAML file.
+
+    Returns:
+        The checked description.
+
+    Raises:
+        RobotFileError: If the file cannot be read, is not YAML, or a field is
+            missing, unknown, of the wrong type or out of range.
+    """
+    try:
+        document: Any = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise RobotFileError(path, "", f"cannot be read ({error})", "a YAML file") from error
+    except yaml.YAMLError as error:
+        reason = " ".join(str(error).split())
+        raise RobotFileError(path, "", f"is not YAML ({reason})", "a YAML file") from error
+    if not isinstance(document, dict):
+        raise RobotFileError(path, "", "holds no mapping", "fields such as 'name', 'urdf'")
+    try:
+        robot_file = RobotFile.model_validate(document)
+    except ValidationError as error:
+        first = error.errors()[0]
+        field = ".".join(
+            str(part) for part in first["loc"] if part not in ("com", "frame")
+        ) or "robot"
+        found = _describe(first["type"], first.get("input"))
+        raise RobotFileError(path, field, found, _expectation(first)) from error
+    _check_ranges(path, robot_file)
+    return robot_file
+
+
+def _describe(kind: str, value: object) -> str:
+    if kind == "missing":
+        return "is missing"
+    if kind == "extra_forbidden":
+        return "is not a known field"
+    return f"is {value!r}"
+
+
+def _expectation(error: Any) -> str:
+    if error["type"] == "missing":
+        return "a value for it"
+    if error["type"] == "extra_forbidden":
+        return "no such field (look for a misspelling)"
+    message: str = error["msg"]
+    return message[:1].lower() + message[1:]
+
+
+def _check_ranges(path: Path, robot_file: RobotFile) -> None:
+    squat = robot_file.motions.squat
+    ranges = [
+        ("motions.squat.amplitude", squat.amplitude),
+        ("motions.squat.frequency", squat.frequency),
+    ]
+    for index, contact in enumerate(robot_file.contacts):
+        ranges += [(f"contacts.{index}.x", contact.x), (f"contacts.{index}.y", contact.y)]
+        if not (contact.x[0] < 0 < contact.x[1] and contact.y[0] < 0 < contact.y[1]):
+            raise RobotFileError(
+                path,
+                f"contacts.{index}",
+                "the frame's origin is not inside the sole",
+                "x and y ranges around zero",
+            )
+    for field, (low, high) in ranges:
+        if low >= high:
+            raise RobotFileError(path, field, f"is [{low}, {high}]", "the low value first")
+    names = [part.name for part in (*robot_file.contacts, *robot_file.tasks)]
+    reserved = ("posture", "limits", "regularization", "safe_torque", "q", "v")
+    for name in names:
+        if names.count(name) > 1 or name in reserved:
+            raise RobotFileError(
+                path,
+                "contacts, tasks",
+                f"the name '{name}' is used twice or reserved",
+                f"unique names other than {', '.join(reserved)}",
+            )
+    carriers = [task.name for task in robot_file.tasks if task.type == "com" and "z" in task.axes]
+    if squat.task not in carriers:
+        raise RobotFileError(
+            path,
+            "motions.squat.task",
+            f"is '{squat.task}'",
+            f"a centre-of-mass task with axis z (there are: {', '.join(carriers) or 'none'})",
+        )

@@ -1,0 +1,48 @@
+"""Named rows of the QP: lower <= A x <= upper with x = (qdd, lambda)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+# what DAQP takes for infinity
+INFINITY = 1e30
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Rows of one constraint.
+
+    Attributes:
+        names: One name per row, for instance 'left_foot.friction.+x'.
+        A: (rows, nv + 6 m).
+        lower: (rows,).
+        upper: (rows,).
+        equality: Whether lower equals upper in every row.
+    """
+
+    names: tuple[str, ...]
+    A: ca.SX
+    lower: ca.SX
+    upper: ca.SX
+    equality: bool = False
+
+
+def stack_rows(rows: Sequence[Rows]) -> Rows:
+    """Put rows one below the other.
+
+    Args:
+        rows: The blocks, in order.
+
+    Returns:
+        One block; it is an equality only if all are.
+    """
+    return Rows(
+        names=tuple(name for block in rows for name in block.names),
+        A=ca.vertcat(*[block.A for block in rows]),
+        lower=ca.vertcat(*[block.lower for block in rows]),
+        upper=ca.vertcat(*[block.upper for block in rows]),
+        equality=all(block.equality for block in rows),
+    )

@@ -1,0 +1,34 @@
+"""Centre-of-mass position, world frame."""
+
+from __future__ import annotations
+
+from tsd_casadi.layout import Field
+from tsd_casadi.robot import Robot
+from tsd_casadi.symbolic_dynamics import SymbolicDynamics
+from tsd_casadi.tasks.task import Read, Task, TaskTerms
+
+
+class ComTask(Task):
+    r"""Tracks :math:`c` with error :math:`c_{ref} - c`, world frame [m]."""
+
+    def reference_field(self, robot: Robot) -> Field:
+        """c_ref, (3,) [m], world frame; axes not controlled are ignored."""
+        return Field(
+            f"{self.name}.reference",
+            3,
+            "m",
+            "centre of mass, world frame",
+            default=tuple(robot.home_com),
+        )
+
+    def terms(self, dynamics: SymbolicDynamics, read: Read) -> TaskTerms:
+        """Terms of the controlled axes, world frame."""
+        rows = ["xyz".index(axis) for axis in self.axes]
+        com = dynamics.center_of_mass()
+        J = com.J[rows, :]
+        return TaskTerms(
+            J=J,
+            drift=com.drift[rows],
+            error=(read("reference") - com.position)[rows],
+            error_rate=read("reference_velocity") - J @ dynamics.v,
+        )

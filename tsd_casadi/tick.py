@@ -1,0 +1,73 @@
+"""What a controller answers at one tick."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tsd_casadi.state import Vector
+from tsd_casadi.tick_format import Status, TickFormat
+
+
+@dataclass(frozen=True)
+class Tick:
+    """A reply, read by name.
+
+    Attributes:
+        format: The meaning of its numbers.
+        reply: The reply vector, (format.reply.size,).
+    """
+
+    format: TickFormat
+    reply: Vector
+
+    def _field(self, name: str) -> Vector:
+        return self.reply[self.format.reply.slices[name]]
+
+    @property
+    def status(self) -> Status:
+        """How the tick ended; on everything but OK, tau is the safe torque."""
+        return Status(int(self.reply[0]))
+
+    @property
+    def iterations(self) -> int:
+        """Iterations of the solver."""
+        return int(self._field("iterations")[0])
+
+    @property
+    def tau(self) -> Vector:
+        """Joint torques, (n,) [N m]."""
+        return self._field("tau")
+
+    @property
+    def qdd(self) -> Vector:
+        """Accelerations in the convention of v, (nv,) [m/s^2, rad/s^2]."""
+        return self._field("qdd")
+
+    @property
+    def wrenches(self) -> dict[str, Vector]:
+        """Wrench [force; moment] by contact, (6,) [N, N m], sole frame."""
+        wrenches = self._field("wrenches").reshape(-1, 6)
+        return dict(zip(self.format.contacts, wrenches, strict=True))
+
+    @property
+    def error(self) -> Vector:
+        """x_ref - x of all tasks as the controller sees it, (k,) [m, rad]."""
+        return self._field("error")
+
+    @property
+    def feedback(self) -> Vector:
+        """P e + D de/dt of all tasks, (k,) [m/s^2, rad/s^2]."""
+        return self._field("feedback")
+
+    @property
+    def active(self) -> list[str]:
+        """Names of the inequality rows at one of their bounds."""
+        state = self._field("active")
+        return [self.format.row_names[i] for i in np.flatnonzero(np.abs(state) == 1.0)]
+
+    @property
+    def compute_time(self) -> float:
+        """Time inside the compiled function [us]."""
+        return float(self.reply[2] + self.reply[3] + self.reply[4])

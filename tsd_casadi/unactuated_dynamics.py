@@ -1,0 +1,33 @@
+r"""The floating base's rows of the dynamics [un-actuated_dyn].
+
+.. math:: M_u \ddot q + h_u = J_{c,u}^T \lambda
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from tsd_casadi.rows import Rows
+
+BASE_AXES = ("x", "y", "z", "rx", "ry", "rz")
+
+
+def unactuated_dynamics(M: ca.SX, h: ca.SX, J_c: ca.SX) -> Rows:
+    """Six equalities that make (qdd, lambda) physically possible.
+
+    Args:
+        M: (nv, nv).
+        h: (nv,) [N, N m].
+        J_c: Contact Jacobian, (6 m, nv).
+
+    Returns:
+        Rows [M_u, -J_cu^T] x = -h_u, in the base frame.
+    """
+    A = ca.horzcat(M[:6, :], -J_c[:, :6].T)
+    return Rows(
+        names=tuple(f"unactuated_dynamics.{axis}" for axis in BASE_AXES),
+        A=A,
+        lower=-h[:6],
+        upper=-h[:6],
+        equality=True,
+    )
