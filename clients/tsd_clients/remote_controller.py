@@ -1,0 +1,147 @@
+"""A controller behind a Zenoh query, used like a local one."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import zenoh
+
+from tsd_casadi.command import Command
+from tsd_casadi.endpoints import CONTROLLER
+from tsd_casadi.exceptions import LayoutMismatch, ServiceUnreachable, TwoServices
+from tsd_casadi.keys import info_key, tick_key
+from tsd_casadi.messages import InfoMessage
+from tsd_casadi.state import State, Vector
+from tsd_casadi.tick import Tick
+from tsd_casadi.tick_format import TickFormat
+from tsd_casadi.tick_message import REPLY, REQUEST, pack_tick, unpack_tick
+from tsd_clients.session import PATIENCE, Session
+
+TICK_TIMEOUT = 0.5  # s
+
+
+class RemoteController:
+    """Asks a controller service at every tick.
+
+    A tick without an answer is asked again until the patience is over: the
+    service keeps nothing between ticks, so one that was restarted goes on
+    where the other stopped.
+
+    Attributes:
+        format: The meaning of requests and replies, from the service.
+        model: Fingerprint of the service's robot description.
+    """
+
+    def __init__(self, robot: str, connect: Sequence[str] = (CONTROLLER,)) -> None:
+        """Connect and ask what the service is.
+
+        Args:
+            robot: Name of the robot.
+            connect: Endpoints of the service.
+
+        Raises:
+            ServiceUnreachable: If no service answers.
+            TwoServices: If more than one does.
+        """
+        self._robot = robot
+        self._session = Session("controller", connect, low_latency=True)
+        self._sequence = 0
+        try:
+            self._session.wait_for(robot)
+            info = self.info()
+            self.format: TickFormat = info.tick_format()
+            self.model = info.model
+            self._instance = info.instance
+            self._layout = self.format.layout_hash
+            self._querier: Any = self._session.zenoh.declare_querier(
+                tick_key(robot),
+                target=zenoh.QueryTarget.ALL,
+                consolidation=zenoh.ConsolidationMode.NONE,
+                timeout=TICK_TIMEOUT,
+                express=True,
+            )
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> RemoteController:
+        """Use as a context manager."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the session."""
+        self.close()
+
+    def close(self) -> None:
+        """Close the session."""
+        self._session.close()
+
+    def info(self) -> InfoMessage:
+        """What the service is and how many ticks it has served.
+
+        Raises:
+            TwoServices: If more than one answers.
+        """
+        bodies = self._session.query(info_key(self._robot))
+        infos = {info.instance: info for info in map(InfoMessage.decode, bodies)}
+        if len(infos) > 1:
+            raise TwoServices(
+                f"{len(infos)} controllers answer for {self._robot} (instances "
+                f"{', '.join(map(str, infos))}); stop all but one, or connect to one endpoint"
+            )
+        return next(iter(infos.values()))
+
+    def command(self) -> Command:
+        """A new command that holds the home posture."""
+        return Command(self.format.request)
+
+    def tick(self, state: State, command: Command) -> Tick:
+        """Torque for one state and command.
+
+        Args:
+            state: The robot's state.
+            command: What to do; its request vector takes the state.
+
+        Returns:
+            The tick; look at its status before using more than tau.
+
+        Raises:
+            ServiceError: If the service refused the numbers.
+            ServiceUnreachable: If it did not answer for some seconds.
+            TwoServices: If another service answers as well.
+        """
+        command.set_state(state)
+        self._sequence += 1
+        payload = pack_tick(REQUEST, self._layout, self._sequence, command.request)
+        reply = self._ask_once(payload)
+        end = time.monotonic() + PATIENCE
+        while reply is None:
+            if time.monotonic() > end:
+                raise ServiceUnreachable(
+                    "controller", self._session.endpoints, f"no reply for {PATIENCE:g} s"
+                )
+            time.sleep(0.02)
+            reply = self._ask_once(payload)
+        return Tick(self.format, reply)
+
+    def _ask_once(self, payload: bytes) -> Vector | None:
+        try:
+            body = self._session.body_of(self._querier.get(payload=payload).recv())
+        except (ServiceUnreachable, zenoh.ZError):
+            return None  # timed out, or closed without a reply
+        message = unpack_tick(body, REPLY, self._layout, self.format.reply.size)
+        if message.sequence != self._sequence:
+            return None
+        if message.instance != self._instance:
+            self._accept_restart()
+        return message.values
+
+    def _accept_restart(self) -> None:
+        info = self.info()  # refuses two services at once
+        if info.tick_format().layout_hash != self._layout:
+            raise LayoutMismatch(
+                "the restarted controller has another formulation", "the one the run began with"
+            )
+        self._instance = info.instance

@@ -1,0 +1,119 @@
+"""A learner behind Zenoh queries."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tsd_casadi.endpoints import LEARNER
+from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.keys import ANY_ROBOT, database_key, feedforward_key, record_key
+from tsd_casadi.messages import (
+    DatabaseReply,
+    EntryMessage,
+    FeedforwardMessage,
+    RecordMessage,
+    RecordReply,
+)
+from tsd_casadi.recording import Recording
+from tsd_clients.session import Session
+
+
+class RemoteLearner:
+    """Records with and asks a learner service."""
+
+    def __init__(self, connect: Sequence[str] = (LEARNER,)) -> None:
+        """Connect.
+
+        Args:
+            connect: Endpoints of the service.
+
+        Raises:
+            ServiceUnreachable: If no service is there.
+        """
+        self._session = Session("learner", connect)
+        try:
+            self._session.wait_for(ANY_ROBOT)
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> RemoteLearner:
+        """Use as a context manager."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the session."""
+        self.close()
+
+    def close(self) -> None:
+        """Close the session."""
+        self._session.close()
+
+    def query(
+        self,
+        task: str,
+        *,
+        robot: str,
+        kind: str | None = None,
+        extrapolate: bool = False,
+        **parameters: float,
+    ) -> Feedforward:
+        """The feedforward for some task parameters; see ``Database.query``.
+
+        Raises:
+            ServiceError: If the learner has no answer; its code says why.
+        """
+        return self.query_message(
+            task, robot=robot, kind=kind, extrapolate=extrapolate, **parameters
+        ).feedforward()
+
+    def query_message(
+        self,
+        task: str,
+        *,
+        robot: str,
+        kind: str | None = None,
+        extrapolate: bool = False,
+        **parameters: float,
+    ) -> FeedforwardMessage:
+        """The same as it comes over the network."""
+        selector = {"task": task, **{name: repr(value) for name, value in parameters.items()}}
+        if kind is not None:
+            selector["kind"] = kind
+        if extrapolate:
+            selector["extrapolate"] = "true"
+        (body, *_) = self._session.query(feedforward_key(robot), parameters=selector)
+        return FeedforwardMessage.decode(body)
+
+    def record(self, recording: Recording) -> tuple[EntryMessage, list[str]]:
+        """Hand over one repetition; see ``Database.record``.
+
+        Returns:
+            The entry as it is now, and remarks for the user.
+
+        Raises:
+            ServiceError: If the recording does not fit the entry.
+        """
+        payload = RecordMessage.of(recording).encode()
+        (body, *_) = self._session.query(record_key(recording.key.robot), payload=payload)
+        reply = RecordReply.decode(body)
+        return reply.entry, reply.notes
+
+    def database(self) -> DatabaseReply:
+        """What is known, of every robot."""
+        (body, *_) = self._session.query(database_key(ANY_ROBOT))
+        return DatabaseReply.decode(body)
+
+    def forget(self, entry: int) -> DatabaseReply:
+        """Remove an entry.
+
+        Args:
+            entry: Its number.
+
+        Raises:
+            ServiceError: If there is none of that number.
+        """
+        (body, *_) = self._session.query(
+            database_key(ANY_ROBOT), parameters={"forget": str(entry)}
+        )
+        return DatabaseReply.decode(body)

@@ -1,0 +1,105 @@
+"""A service as a child process that never outlives its parent."""
+
+from __future__ import annotations
+
+import ctypes
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Sequence
+from queue import Empty, Queue
+
+from tsd_casadi.exceptions import TsdError
+
+PR_SET_PDEATHSIG = 1
+
+
+class ServiceProcess:
+    """A service started as 'tsd ROLE ...', ready when the constructor returns.
+
+    Attributes:
+        process: The process.
+        output: Lines it has printed.
+    """
+
+    def __init__(self, arguments: Sequence[str], patience: float = 120.0) -> None:
+        """Start the process and wait for its 'ready' line.
+
+        Args:
+            arguments: Command line after 'tsd'.
+            patience: How long to wait [s]; the first start compiles.
+
+        Raises:
+            TsdError: If it ends or does not get ready in time; the message is
+                what it printed.
+        """
+        self.output: list[str] = []
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "tsd_clients.command_line", *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            preexec_fn=_die_with_parent if sys.platform == "linux" else None,
+        )
+        self._lines: Queue[str | None] = Queue()
+        threading.Thread(target=self._read, daemon=True).start()
+        try:
+            self._wait_until_ready(patience)
+        except BaseException:
+            self.stop()
+            raise
+
+    def __enter__(self) -> ServiceProcess:
+        """Use as a context manager."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Stop the process."""
+        self.stop()
+
+    def stop(self) -> int:
+        """Ask the process to end, and make it end.
+
+        Returns:
+            Its exit code.
+        """
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+            try:
+                self.process.wait(timeout=5.0)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+        return self.process.wait()
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.output.append(line.rstrip())
+            self._lines.put(line)
+        self._lines.put(None)
+
+    def _wait_until_ready(self, patience: float) -> None:
+        while True:
+            try:
+                line = self._lines.get(timeout=patience)
+            except Empty:
+                raise TsdError(f"the service was not ready after {patience:g} s") from None
+            if line is None:
+                printed = "\n".join(self.output) or "nothing"
+                raise TsdError(f"the service ended before it was ready; it printed: {printed}")
+            if " ready on " in line:
+                return
+
+
+def free_endpoint() -> str:
+    """A loopback endpoint with a port that is free now."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+
+
+def _die_with_parent() -> None:
+    # the kernel tells the child when its parent is gone, even by SIGKILL
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)

@@ -1,0 +1,136 @@
+"""A client's Zenoh session: queries with an outcome that is never ambiguous."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import zenoh
+
+from tsd_casadi.endpoints import check_endpoint, session_settings
+from tsd_casadi.exceptions import MalformedMessage, ServiceError, ServiceUnreachable
+from tsd_casadi.keys import alive_key
+from tsd_casadi.messages import ErrorMessage
+
+# how long a service may take to appear after a client started
+PATIENCE = 5.0  # s
+
+
+class Session:
+    """A session connected to explicit endpoints.
+
+    Attributes:
+        role: Role of the service that is talked to.
+        endpoints: Where it is looked for.
+        zenoh: The Zenoh session.
+    """
+
+    def __init__(
+        self, role: str, endpoints: Sequence[str], *, low_latency: bool = False
+    ) -> None:
+        """Connect.
+
+        Args:
+            role: 'controller' or 'learner'.
+            endpoints: Where to look for it.
+            low_latency: See ``session_settings``.
+
+        Raises:
+            InvalidValue: If an endpoint is malformed.
+            ServiceUnreachable: If Zenoh cannot open the session.
+        """
+        self.role = role
+        self.endpoints = [check_endpoint(endpoint) for endpoint in endpoints]
+        zenoh.init_log_from_env_or("off")
+        config = zenoh.Config()
+        settings = session_settings(connect=self.endpoints, low_latency=low_latency)
+        for key, value in settings.items():
+            config.insert_json5(key, value)
+        try:
+            self.zenoh: Any = zenoh.open(config)
+        except zenoh.ZError as error:
+            raise ServiceUnreachable(role, self.endpoints, str(error)) from error
+
+    def close(self) -> None:
+        """Close the session."""
+        self.zenoh.close()
+
+    def wait_for(self, robot: str, patience: float = PATIENCE) -> None:
+        """Wait until the service's liveliness token is there.
+
+        Args:
+            robot: Robot's chunk of the keys.
+            patience: How long [s].
+
+        Raises:
+            ServiceUnreachable: If it does not appear.
+        """
+        end = time.monotonic() + patience
+        others: set[str] = set()
+        while time.monotonic() < end:
+            for reply in self.zenoh.liveliness().get(alive_key("*", self.role), timeout=1.0):
+                if reply.ok is None:
+                    continue
+                key = zenoh.KeyExpr(str(reply.ok.key_expr))
+                if key.intersects(zenoh.KeyExpr(alive_key(robot, self.role))):
+                    return
+                others.add(str(key).split("/")[1])
+            time.sleep(0.05)
+        detail = f"waited {patience:g} s"
+        if others:
+            detail = f"there it serves robot {', '.join(sorted(others))}, not {robot}"
+        raise ServiceUnreachable(self.role, self.endpoints, detail)
+
+    def query(
+        self,
+        key: str,
+        *,
+        parameters: dict[str, str] | None = None,
+        payload: bytes | None = None,
+        timeout: float = 10.0,
+    ) -> list[bytes]:
+        """Ask all services on a key.
+
+        Args:
+            key: The key.
+            parameters: Parameters of the selector.
+            payload: Body of the query.
+            timeout: How long to wait [s].
+
+        Returns:
+            The bodies of all replies, at least one.
+
+        Raises:
+            ServiceError: If a service replied with an error.
+            ServiceUnreachable: If nobody answered in time.
+        """
+        replies = self.zenoh.get(
+            zenoh.Selector(key, parameters or {}),
+            payload=payload,
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=timeout,
+        )
+        bodies = [self.body_of(reply) for reply in replies]
+        if not bodies:
+            raise ServiceUnreachable(self.role, self.endpoints, "no reply")
+        return bodies
+
+    def body_of(self, reply: Any) -> bytes:
+        """The body of a reply.
+
+        Raises:
+            ServiceError: If it is an error of the service.
+            ServiceUnreachable: If it is Zenoh's timeout.
+        """
+        if reply.ok is not None:
+            return bytes(reply.ok.payload.to_bytes())
+        body = reply.err.payload.to_bytes()
+        try:
+            error = ErrorMessage.decode(body)
+        except MalformedMessage:
+            # Zenoh's own words, "Timeout" among them
+            text = body.decode(errors="replace")
+            raise ServiceUnreachable(self.role, self.endpoints, text) from None
+        raise ServiceError(error.code, error.message)

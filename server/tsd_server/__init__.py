@@ -1,0 +1,1 @@
+"""The services: a controller that answers ticks, a learner that keeps what was learned."""

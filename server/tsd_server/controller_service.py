@@ -1,0 +1,99 @@
+"""The controller service: ticks in, torques out, with no memory in between."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import zenoh
+
+import tsd_casadi
+from tsd_casadi.controller import Controller, compile_controller
+from tsd_casadi.exceptions import InvalidValue, MalformedMessage
+from tsd_casadi.keys import info_key, tick_key
+from tsd_casadi.messages import InfoMessage
+from tsd_casadi.robot import Robot
+from tsd_casadi.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
+from tsd_server.service import Service, reply_json
+
+BINARY = zenoh.Encoding.APPLICATION_OCTET_STREAM
+
+
+class ControllerService:
+    """Answers tick and info queries for one robot.
+
+    Attributes:
+        controller: The compiled controller.
+        ticks_served: Ticks answered with a torque.
+        ticks_refused: Ticks answered with an error.
+    """
+
+    def __init__(self, robot: Robot, listen: Sequence[str]) -> None:
+        """Open the session, then compile or load the controller.
+
+        The session comes first: a taken port is told before minutes of
+        compiling, and queries wait until the service is ready.
+
+        Args:
+            robot: The robot.
+            listen: Endpoints to listen on.
+
+        Raises:
+            EndpointTaken: If it cannot listen there.
+            CompilerNotFound: If there is nothing to compile with.
+        """
+        self._service = Service("controller", robot.name, listen, low_latency=True)
+        try:
+            self.controller: Controller = compile_controller(robot)
+        except BaseException:
+            self._service.__exit__(None, None, None)
+            raise
+        self.ticks_served = 0
+        self.ticks_refused = 0
+        self._robot = robot
+        self._format = self.controller.format
+        self._layout = self._format.layout_hash
+        self._key = tick_key(robot.name)
+
+    def run(self) -> None:
+        """Serve until SIGINT or SIGTERM."""
+        name = self._robot.name
+        with self._service as service:
+            service.answer(self._key, self._tick, newest_only=True)
+            service.answer(info_key(name), self._info)
+            size = self._format.request.size
+            service.run(
+                f"robot {name}, {self._robot.n} joints, "
+                f"{len(self._format.row_names)} rows, request of {size} float64"
+            )
+
+    def _tick(self, query: zenoh.Query) -> None:
+        try:
+            payload = query.payload
+            if payload is None:
+                raise MalformedMessage("no payload", "a packed tick request; see docs/wire.md")
+            message = unpack_tick(
+                payload.to_bytes(), REQUEST, self._layout, self._format.request.size
+            )
+            reply = self.controller.run(message.values)
+        except (MalformedMessage, InvalidValue):
+            self.ticks_refused += 1
+            raise
+        self.ticks_served += 1
+        query.reply(
+            self._key,
+            pack_tick(REPLY, self._layout, message.sequence, reply, self._service.instance),
+            encoding=BINARY,
+            express=True,
+        )
+
+    def _info(self, query: zenoh.Query) -> None:
+        info = InfoMessage.of(
+            self._format,
+            version=tsd_casadi.__version__,
+            instance=self._service.instance,
+            protocol=VERSION,
+            model=self._robot.fingerprint,
+            ticks_served=self.ticks_served,
+            ticks_refused=self.ticks_refused,
+        )
+        reply_json(query, info_key(self._robot.name), info.encode())

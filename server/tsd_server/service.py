@@ -1,0 +1,160 @@
+"""What both services share: session, readiness, liveliness and a clean end."""
+
+from __future__ import annotations
+
+import secrets
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterable, Sequence
+from types import FrameType, TracebackType
+
+import zenoh
+
+from tsd_casadi.endpoints import check_endpoint, session_settings
+from tsd_casadi.exceptions import EndpointTaken, TsdError
+from tsd_casadi.keys import alive_key
+from tsd_casadi.messages import ErrorMessage
+
+JSON = zenoh.Encoding.APPLICATION_JSON
+
+Answer = Callable[[zenoh.Query], None]
+
+
+class Service:
+    """A Zenoh session that answers queries until it is told to stop.
+
+    Each queryable has a thread and a channel of its own, so a query is
+    answered outside Zenoh's threads and the process can always end.
+
+    Attributes:
+        instance: Random id of this service, in every reply.
+        session: The session.
+    """
+
+    def __init__(
+        self, role: str, robot: str, listen: Sequence[str], *, low_latency: bool = False
+    ) -> None:
+        """Open the session.
+
+        Args:
+            role: 'controller' or 'learner'.
+            robot: Robot's chunk of the keys.
+            listen: Endpoints to listen on.
+            low_latency: See ``session_settings``.
+
+        Raises:
+            EndpointTaken: If it cannot listen there.
+            InvalidValue: If an endpoint is malformed.
+        """
+        self.instance = secrets.randbits(63) | 1
+        self._role = role
+        self._robot = robot
+        self._listen = [check_endpoint(endpoint) for endpoint in listen]
+        self._stop = threading.Event()
+        self._threads: list[threading.Thread] = []
+        self._queryables: list[object] = []
+        self._failure: BaseException | None = None
+        zenoh.init_log_from_env_or("off")
+        config = zenoh.Config()
+        for key, value in session_settings(listen=self._listen, low_latency=low_latency).items():
+            config.insert_json5(key, value)
+        try:
+            self.session = zenoh.open(config)
+        except zenoh.ZError as error:
+            raise EndpointTaken(role, ", ".join(self._listen), _first_line(error)) from error
+
+    def __enter__(self) -> Service:
+        """Use as a context manager."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Stop the threads and close the session."""
+        self._stop.set()
+        self.session.close()
+        for thread in self._threads:
+            thread.join(timeout=1.0)
+
+    def answer(self, key: str, answer: Answer, *, newest_only: bool = False) -> None:
+        """Answer the queries on a key, one after another.
+
+        Args:
+            key: The key.
+            answer: Replies to one query; a TsdError it raises becomes an error
+                reply.
+            newest_only: Drop the oldest waiting queries under overload, which
+                tells their clients at once, instead of making all wait.
+        """
+        channel = (
+            zenoh.handlers.RingChannel(64) if newest_only else zenoh.handlers.FifoChannel(256)
+        )
+        queryable = self.session.declare_queryable(key, channel, complete=True)
+        self._queryables.append(queryable)  # undeclared when forgotten
+        thread = threading.Thread(target=self._loop, args=(queryable, answer), daemon=True)
+        self._threads.append(thread)
+        thread.start()
+
+    def run(self, description: str) -> None:
+        """Say that the service is ready and wait for SIGINT or SIGTERM.
+
+        Args:
+            description: What is served, for people.
+
+        Raises:
+            TsdError: If answering failed in a way that is no client's fault.
+        """
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._on_signal)
+        token = self.session.liveliness().declare_token(alive_key(self._robot, self._role))
+        for endpoint in self._listen:
+            print(f"{self._role} ready on {endpoint}: {description}", flush=True)
+        self._stop.wait()
+        token.undeclare()
+        if self._failure is not None:
+            raise self._failure
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+        self._stop.set()
+
+    def _loop(self, queries: Iterable[zenoh.Query], answer: Answer) -> None:
+        try:
+            for query in queries:  # ends when the session is closed
+                self._answer_one(query, answer)
+        except BaseException as error:
+            if not self._stop.is_set():
+                self._failure = error
+                self._stop.set()
+
+    def _answer_one(self, query: zenoh.Query, answer: Answer) -> None:
+        with query:
+            try:
+                answer(query)
+            except TsdError as error:
+                query.reply_err(ErrorMessage.of(error).encode(), encoding=JSON)
+            except Exception as error:
+                # the client must not wait for its timeout because of our defect
+                message = ErrorMessage(
+                    code="internal", message=f"{self._role} failed: {type(error).__name__}: {error}"
+                )
+                query.reply_err(message.encode(), encoding=JSON)
+                print(message.message, file=sys.stderr, flush=True)
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).splitlines()[0] if str(error) else type(error).__name__
+
+
+def reply_json(query: zenoh.Query, key: str, body: bytes) -> None:
+    """Answer a query with JSON.
+
+    Args:
+        query: The query.
+        key: Key of the reply, without wildcards.
+        body: UTF-8 JSON.
+    """
+    query.reply(key, body, encoding=JSON)

@@ -1,0 +1,82 @@
+"""Where services listen and how sessions are set up, without any discovery.
+
+Sessions never scout and listen only where they are told to, so nothing leaves
+the machine unless an endpoint says so.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+
+from tsd_casadi.exceptions import InvalidValue
+
+CONTROLLER = "tcp/127.0.0.1:7447"
+LEARNER = "tcp/127.0.0.1:7448"
+
+_ENDPOINT = re.compile(r"^(tcp|udp|tls|quic|ws|unixsock-stream)/[^\s]+$")
+
+
+def check_endpoint(endpoint: str) -> str:
+    """Refuse what cannot be an endpoint.
+
+    Args:
+        endpoint: For instance 'tcp/127.0.0.1:7447'.
+
+    Returns:
+        The endpoint.
+
+    Raises:
+        InvalidValue: If it is none.
+    """
+    well_formed = _ENDPOINT.match(endpoint)
+    port = endpoint.rpartition(":")[2]
+    has_port = endpoint.startswith("unixsock-stream/") or (
+        port.isdigit() and 0 < int(port) < 65536
+    )
+    if not well_formed or not has_port:
+        raise InvalidValue(
+            "endpoint", repr(endpoint), "PROTOCOL/ADDRESS:PORT, for instance tcp/127.0.0.1:7447"
+        )
+    return endpoint
+
+
+def session_settings(
+    *, listen: Sequence[str] = (), connect: Sequence[str] = (), low_latency: bool = False
+) -> dict[str, str]:
+    """Settings of a Zenoh session, as JSON by configuration key.
+
+    Args:
+        listen: Endpoints to listen on.
+        connect: Endpoints to connect to.
+        low_latency: Leave out batching and priorities on the transport. Both
+            ends must ask for it, otherwise the usual transport is used; then
+            no message may exceed 64 kB.
+
+    Returns:
+        Values for ``zenoh.Config.insert_json5``.
+    """
+    settings: dict[str, object] = {
+        "mode": "peer",
+        "listen/endpoints": list(listen),
+        "listen/exit_on_failure": True,
+        "connect/endpoints": list(connect),
+        "connect/exit_on_failure": False,
+        "connect/timeout_ms": 500,
+        "connect/retry": {
+            "period_init_ms": 100,
+            "period_max_ms": 500,
+            "period_increase_factor": 2,
+        },
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        # no gain at these sizes, and a stalled receiver loses queries silently
+        "transport/shared_memory/enabled": False,
+        # a frozen peer is noticed after this
+        "transport/link/tx/lease": 1000,
+    }
+    if low_latency:
+        settings["transport/unicast/lowlatency"] = True
+        settings["transport/unicast/qos/enabled"] = False
+    return {key: json.dumps(value) for key, value in settings.items()}
