@@ -8,12 +8,15 @@ from collections.abc import Mapping
 import casadi as ca
 
 from tsd_casadi.inverse_dynamics import InverseDynamics
+from tsd_casadi.posture import DAMPING
 
 # Bound of a row's violation, measured by DAQP in the metric of the cost. The
 # lightest weight, 1e-6 on forces, turns 1e-9 into at most 1e-6 N.
 PRIMAL_TOLERANCE = 1e-9
 # Some 30 times what stressed states need.
 ITERATION_LIMIT = 400
+# The hand-written part, in native/.
+NATIVE = ("dense.h", "tick.h", "posture.c", "elimination.c", "tick.c")
 # A float32 quaternion is a unit quaternion to 1e-7.
 QUATERNION_TOLERANCE = 1e-3
 
@@ -26,15 +29,16 @@ def generate_sources(problem: InverseDynamics) -> dict[str, str]:
 
     Returns:
         Source text by file name: the generated functions (problem.c), sizes
-        (problem.h) and the tick around them (tick.c).
+        (problem.h) and the tick around them.
     """
     generator = ca.CodeGenerator("problem.c", {"with_header": False})
-    generator.add(problem.qp)
+    generator.add(problem.terms)
     generator.add(problem.safe_torque)
+    native = importlib.resources.files("tsd_casadi").joinpath("native")
     return {
         "problem.c": generator.dump(),
         "problem.h": _header(problem),
-        "tick.c": importlib.resources.files("tsd_casadi").joinpath("native/tick.c").read_text(),
+        **{name: native.joinpath(name).read_text() for name in NATIVE},
     }
 
 
@@ -46,9 +50,11 @@ def _header(problem: InverseDynamics) -> str:
         "N_X": problem.nx,
         "N_TAU": problem.n,
         "N_ERROR": len(problem.format.axes),
-        "N_BOUNDS": problem.nv,
+        "N_V": problem.nv,
+        "N_J": problem.terms.size1_out("J"),
         "N_GENERAL": len(problem.format.row_names) - problem.nv,
         "N_EQUALITIES": problem.n_equalities,
+        "POSTURE_DAMPING": DAMPING,
         "PRIMAL_TOLERANCE": PRIMAL_TOLERANCE,
         "ITERATION_LIMIT": ITERATION_LIMIT,
         "QUATERNION_TOLERANCE": QUATERNION_TOLERANCE,
@@ -57,16 +63,17 @@ def _header(problem: InverseDynamics) -> str:
     sizes |= _work_sizes(problem)
     functions = "\n".join(
         f"int {name}(const double** arg, double** res, casadi_int* iw, double* w, int mem);"
-        for name in ("qp", "safe_torque")
+        for name in ("terms", "safe_torque")
     )
     tables = {"switches": request.switches(), "quaternions": request.quaternions()}
-    return f"typedef long long int casadi_int;\n{_defines(sizes)}\n{functions}\n{_tables(tables)}"
+    lines = ("#pragma once", "typedef long long int casadi_int;")
+    return "\n".join((*lines, _defines(sizes), functions, _tables(tables)))
 
 
 def _work_sizes(problem: InverseDynamics) -> dict[str, int]:
-    functions = (problem.qp, problem.safe_torque)
+    functions = (problem.terms, problem.safe_torque)
     return {
-        f"QP_SZ_{part.upper()}": max(1, *(getattr(f, f"sz_{part}")() for f in functions))
+        f"SZ_{part.upper()}": max(1, *(getattr(f, f"sz_{part}")() for f in functions))
         for part in ("arg", "res", "iw", "w")
     }
 
@@ -79,5 +86,5 @@ def _tables(tables: Mapping[str, list[int]]) -> str:
     lines = []
     for name, values in tables.items():
         lines.append(f"#define N_{name.upper()} {len(values)}")
-        lines.append(f"static const int {name}[] = {{{', '.join(map(str, [*values, 0]))}}};")
+        lines.append(f"__attribute__((unused)) static const int {name}[] = {{{', '.join(map(str, [*values, 0]))}}};")
     return "\n".join(lines) + "\n"

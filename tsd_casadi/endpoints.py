@@ -7,6 +7,7 @@ the machine unless an endpoint says so.
 from __future__ import annotations
 
 import json
+import os
 import re
 from collections.abc import Sequence
 
@@ -14,6 +15,13 @@ from tsd_casadi.exceptions import InvalidValue
 
 CONTROLLER = "tcp/127.0.0.1:7447"
 LEARNER = "tcp/127.0.0.1:7448"
+
+# One worker for all of Zenoh's threads: a tick then crosses fewer threads, which
+# takes a quarter off the median round trip and two thirds off its 99th percentile
+# on two cores. Not to be combined with batching switched off.
+RUNTIME = (
+    "(rx:(worker_threads:1),tx:(handover:rx),net:(handover:rx),acc:(handover:rx),app:(handover:rx))"
+)
 
 _ENDPOINT = re.compile(r"^(tcp|udp|tls|quic|ws|unixsock-stream)/[^\s]+$")
 
@@ -40,6 +48,11 @@ def check_endpoint(endpoint: str) -> str:
             "endpoint", repr(endpoint), "PROTOCOL/ADDRESS:PORT, for instance tcp/127.0.0.1:7447"
         )
     return endpoint
+
+
+def configure_runtime() -> None:
+    """Choose Zenoh's threads, unless the user did; before the first session."""
+    os.environ.setdefault("ZENOH_RUNTIME", RUNTIME)
 
 
 def session_settings(

@@ -16,6 +16,6 @@ def force_cost(W_lambda: ca.SX, lambda_des: ca.SX) -> tuple[ca.SX, ca.SX]:
         lambda_des: (6 m,) [N, N m], sole frames.
 
     Returns:
-        H (6 m, 6 m) and g (6 m,).
+        Diagonal of H (6 m,) and g (6 m,).
     """
-    return ca.diag(W_lambda), -W_lambda * lambda_des
+    return W_lambda, -W_lambda * lambda_des

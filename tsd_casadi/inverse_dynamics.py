@@ -96,7 +96,11 @@ class InverseDynamics:
         format: What a tick's request and reply mean; its rows are nv simple
             bounds, equalities, cones, joint torques.
         n_equalities: Number of equality rows, right after the bounds.
-        qp: Function request -> H, g, A, lower, upper, h_a, error, feedback.
+        terms: Function request -> everything but the posture's share of the
+            cost: H_qdd, H_lambda (a diagonal), g, A, lower, upper, h_a, error,
+            feedback, and J, W_q, qdd_des of the posture.
+        qp: Function request -> H, g, A, lower, upper, h_a, error, feedback: the
+            definition of the QP.
         safe_torque: Function request -> tau.
     """
 
@@ -114,7 +118,8 @@ class InverseDynamics:
         self.request: Layout = request_layout(robot, self.tasks)
         self._request = ca.SX.sym("request", self.request.size)
         self._dynamics = SymbolicDynamics(robot, self._read("q"), self._read("v"))
-        self.qp, self.safe_torque = self._build()
+        self.terms, self.safe_torque = self._build()
+        self.qp = self._add_posture()
         self.format = tick_format(robot, self.tasks, self.request, self.row_names)
 
     @property
@@ -151,7 +156,6 @@ class InverseDynamics:
         self.row_names: tuple[str, ...] = (*bounds.names, *rows.names)
         self.n_equalities = len(equalities.names)
 
-        H_lambda, g_lambda = force_cost(contacts.W_lambda, contacts.lambda_des)
         qdd_des = posture_acceleration(
             self._read("posture.P"),
             self._read("posture.q_ref"),
@@ -159,19 +163,25 @@ class InverseDynamics:
             self._dynamics.q,
             self._dynamics.v,
         )
-        terms = {
-            "H": ca.diagcat(tasks.H, H_lambda),
-            "g": ca.vertcat(tasks.g, g_lambda),
-            "A": rows.A,
-            "lower": ca.vertcat(bounds.lower, rows.lower),
-            "upper": ca.vertcat(bounds.upper, rows.upper),
-            "h_a": h_a,
-            "error": tasks.error,
-            "feedback": tasks.feedback,
-            "J": ca.vertcat(*tasks.J_active, contacts.J_active),
-            "W_q": self._read("posture.W"),
-            "qdd_des": qdd_des,
-        }
+        H_lambda, g_lambda = force_cost(contacts.W_lambda, contacts.lambda_des)
+        terms = self._function(
+            "terms",
+            {
+                # symmetric: one half is computed, the other copied
+                "H_qdd": ca.triu2symm(ca.triu(tasks.H)),
+                "H_lambda": H_lambda,
+                "g": ca.vertcat(tasks.g, g_lambda),
+                "A": rows.A,
+                "lower": ca.vertcat(bounds.lower, rows.lower),
+                "upper": ca.vertcat(bounds.upper, rows.upper),
+                "h_a": h_a,
+                "error": tasks.error,
+                "feedback": tasks.feedback,
+                "J": ca.vertcat(*tasks.J_active, contacts.J_active),
+                "W_q": self._read("posture.W"),
+                "qdd_des": qdd_des,
+            },
+        )
         safe = safe_torque(
             self._dynamics.gravity_forces(),
             contacts.J_active,
@@ -179,7 +189,7 @@ class InverseDynamics:
             self._read("safe_torque.D"),
             self._read("limits.torque"),
         )
-        return self._add_posture(terms), self._function("safe_torque", {"tau": safe})
+        return terms, self._function("safe_torque", {"tau": safe})
 
     def _contact_terms(self) -> _ContactTerms:
         files = self.robot.description.contacts
@@ -239,21 +249,19 @@ class InverseDynamics:
         dense = [ca.densify(value) for value in outputs.values()]
         return ca.Function(name, [self._request], dense, ["request"], list(outputs))
 
-    def _add_posture(self, terms: dict[str, ca.SX]) -> ca.Function:
-        """Add the posture, whose projector is linear algebra and not symbols.
+    def _add_posture(self) -> ca.Function:
+        """The whole QP: the terms and the posture.
 
         Written out in scalars, P_null would be 34 000 instructions; as a
         matrix expression it stays a solve and four products.
         """
         request = ca.MX.sym("request", self.request.size)
-        values = dict(
-            zip(terms, self._function("terms", terms).call([request]), strict=True)
-        )
+        names = [self.terms.name_out(i) for i in range(self.terms.n_out())]
+        values = dict(zip(names, self.terms.call([request]), strict=True))
         P_null = null_space_projector(values.pop("J"))
         H, g = posture_cost(P_null, values.pop("W_q"), values.pop("qdd_des"))
-        n_lambda = self.nx - self.nv
-        values["H"] += ca.diagcat(H, ca.MX(n_lambda, n_lambda))
-        values["g"] += ca.vertcat(g, ca.MX(n_lambda, 1))
-        return ca.Function(
-            "qp", [request], [ca.densify(v) for v in values.values()], ["request"], list(values)
-        )
+        H_qdd, H_lambda = values.pop("H_qdd"), values.pop("H_lambda")
+        outputs = {"H": ca.diagcat(H_qdd + H, ca.diag(H_lambda)), **values}
+        outputs["g"] += ca.vertcat(g, ca.MX(self.nx - self.nv, 1))
+        dense = [ca.densify(value) for value in outputs.values()]
+        return ca.Function("qp", [request], dense, ["request"], list(outputs))

@@ -8,7 +8,7 @@ from typing import Any
 
 import zenoh
 
-from tsd_casadi.endpoints import check_endpoint, session_settings
+from tsd_casadi.endpoints import check_endpoint, configure_runtime, session_settings
 from tsd_casadi.exceptions import MalformedMessage, ServiceError, ServiceUnreachable
 from tsd_casadi.keys import alive_key
 from tsd_casadi.messages import ErrorMessage
@@ -42,6 +42,7 @@ class Session:
         """
         self.role = role
         self.endpoints = [check_endpoint(endpoint) for endpoint in endpoints]
+        configure_runtime()
         zenoh.init_log_from_env_or("off")
         config = zenoh.Config()
         settings = session_settings(connect=self.endpoints, low_latency=low_latency)

@@ -47,6 +47,7 @@ class MujocoSimulator:
         model: ``mujoco.MjModel`` with the model error applied.
         model_error: E; the controller's masses and inertias are 1 + E times
             the simulated robot's.
+        state_map: Conversion between the conventions of scene and robot.
     """
 
     def __init__(self, robot: Robot, model_error: float = 0.0) -> None:
@@ -77,7 +78,7 @@ class MujocoSimulator:
         self.robot = robot
         self.model = model
         self.model_error = model_error
-        self._state_map = StateMap(robot, model)
+        self.state_map = StateMap(robot, model)
 
     def start(self, seed: int = 0) -> Any:
         """A fresh ``mujoco.MjData`` at home, joints off by a little.
@@ -94,7 +95,7 @@ class MujocoSimulator:
         frames = [model.getFrameId(contact.frame) for contact in self.robot.description.contacts]
         q[2] -= np.mean([pin_data.oMf[frame].translation[2] for frame in frames])
         data = mujoco.MjData(self.model)
-        self._state_map.write(data, State(q, home.v))
+        self.state_map.write(data, State(q, home.v))
         mujoco.mj_forward(self.model, data)
         return data
 
@@ -184,8 +185,14 @@ class _Repetition:
         self._world_axis = "xyz".index(motion.axis)
         self._command: Command = controller.command()
         self._command[f"{self._task}.P"] *= p_scale
-        self._home = float(self._command[f"{self._task}.reference"][self._world_axis])
+        # views into the request vector
+        self._x = self._command[f"{self._task}.reference"]
+        self._xd = self._command[f"{self._task}.reference_velocity"]
+        self._xdd = self._command[f"{self._task}.reference_acceleration"]
+        self._ff = self._command[f"{self._task}.feedforward"]
+        self._home = float(self._x[self._world_axis])
         self._oscillator = PhaseOscillator(motion.frequency, motion.start_phase)
+        self._wrenches = tick_format.reply.slice("wrenches")
         self._data = simulator.start(seed)
         self._fall_height = FALL_HEIGHT * float(robot.home_com[2])
         self._columns: dict[str, list[Any]] = {name: [] for name in _COLUMNS}
@@ -279,17 +286,17 @@ class _Repetition:
             )
 
     def _tick(self, lap: int, x: float, xd: float, xdd: float, feedforward: float) -> None:
-        command, task, axis = self._command, self._task, self._component
-        command[f"{task}.reference"][self._world_axis] = self._home + x
-        command[f"{task}.reference_velocity"][axis] = xd
-        command[f"{task}.reference_acceleration"][axis] = xdd
-        command[f"{task}.feedforward"][axis] = feedforward
-        data, state_map = self._data, self._simulator._state_map
+        axis, data, state_map = self._component, self._data, self._simulator.state_map
+        self._x[self._world_axis] = self._home + x
+        self._xd[axis], self._xdd[axis], self._ff[axis] = xd, xdd, feedforward
+        # positions and velocities first, so that the true centre of mass is the
+        # one of the state that the controller is asked about
+        mujoco.mj_step1(self._simulator.model, data)
         state = state_map.read(data)
-        before = perf_counter()
-        tick = self._controller.tick(state, command)
-        after = perf_counter()
         com = data.subtree_com[state_map.base_body]
+        before = perf_counter()
+        tick = self._controller.tick(state, self._command)
+        after = perf_counter()
         error, feedback = tick.error, tick.feedback
         values = (
             self._time,
@@ -304,7 +311,7 @@ class _Repetition:
             state.q,
             state.v,
             tick.tau,
-            tick.reply[tick.format.reply.slices["wrenches"]],
+            tick.reply[self._wrenches],
             int(tick.reply[0]),
             tick.compute_time,
             1e6 * (after - before),
@@ -312,9 +319,8 @@ class _Repetition:
         for column, value in zip(self._columns.values(), values, strict=True):
             column.append(value)
         data.ctrl[state_map.actuators] = tick.tau
-        mujoco.mj_step(self._simulator.model, data)
-        height = data.subtree_com[state_map.base_body][2]
-        self._fell = not height > self._fall_height
+        mujoco.mj_step2(self._simulator.model, data)
+        self._fell = not com[2] > self._fall_height
 
 
 _COLUMNS = (

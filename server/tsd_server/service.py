@@ -11,7 +11,7 @@ from types import FrameType, TracebackType
 
 import zenoh
 
-from tsd_casadi.endpoints import check_endpoint, session_settings
+from tsd_casadi.endpoints import check_endpoint, configure_runtime, session_settings
 from tsd_casadi.exceptions import EndpointTaken, TsdError
 from tsd_casadi.keys import alive_key
 from tsd_casadi.messages import ErrorMessage
@@ -55,6 +55,7 @@ class Service:
         self._threads: list[threading.Thread] = []
         self._queryables: list[object] = []
         self._failure: BaseException | None = None
+        configure_runtime()
         zenoh.init_log_from_env_or("off")
         config = zenoh.Config()
         for key, value in session_settings(listen=self._listen, low_latency=low_latency).items():

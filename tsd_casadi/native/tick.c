@@ -1,22 +1,22 @@
 /* One control tick: request vector -> reply vector.
  *
- * The QP's data come from the functions that CasADi generated (qp, safe_torque);
- * DAQP solves it. All memory is in the context: a tick allocates nothing, keeps
- * nothing from the tick before and may run in several threads with one context
- * each. The sizes below are written to problem.h together with the functions.
+ * CasADi's generated functions give the terms of the QP. The equalities are
+ * eliminated, the optimum without inequalities is checked against every limit,
+ * and only if one is violated DAQP solves the reduced problem: the result is
+ * the same and most ticks need no active-set iteration.
+ *
+ * All memory is in the context: a tick allocates nothing, keeps nothing from
+ * the tick before and may run in several threads with one context each.
  */
-#include <math.h>
+#include "tick.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "api.h"
+#include "dense.h"
 #include "utils.h"
-
-#include "problem.h"
-
-#define N_ROWS (N_BOUNDS + N_GENERAL)
-#define TRIANGLE (N_X * (N_X + 1) / 2)
 
 enum status {
   STATUS_OK = 0,
@@ -28,15 +28,19 @@ enum status {
 
 struct tick {
   double lower_accepted[N_REQUEST], upper_accepted[N_REQUEST];
-  /* outputs of qp, in its order */
-  double H[N_X * N_X], g[N_X], A[N_GENERAL * N_X], lower[N_ROWS], upper[N_ROWS];
+  /* outputs of terms, in its order; matrices by columns */
+  double H_qdd[N_V * N_V], H_lambda[N_X - N_V], g[N_X], A[N_GENERAL * N_X];
+  double lower[N_ROWS], upper[N_ROWS];
   double h_a[N_TAU], error[N_ERROR], feedback[N_ERROR];
-  double A_rows[N_GENERAL * N_X];
-  const double* arguments[QP_SZ_ARG];
-  double* results[QP_SZ_RES];
-  casadi_int iw[QP_SZ_IW];
-  double w[QP_SZ_W];
-  int sense[N_ROWS];
+  double J[N_J * N_V], W_q[N_V], qdd_des[N_V];
+  const double* arguments[SZ_ARG];
+  double* results[SZ_RES];
+  casadi_int iw[SZ_IW];
+  double w[SZ_W];
+
+  struct posture_work posture;
+  struct elimination reduced;
+  double x[N_X], rows[N_GENERAL];
   DAQPProblem problem;
   DAQPSettings settings;
   DAQPWorkspace work;
@@ -61,36 +65,33 @@ struct tick* tick_create(const double* lower_accepted, const double* upper_accep
   if (t == NULL) return NULL;
   memcpy(t->lower_accepted, lower_accepted, sizeof t->lower_accepted);
   memcpy(t->upper_accepted, upper_accepted, sizeof t->upper_accepted);
-  for (int i = 0; i < N_EQUALITIES; i++) t->sense[N_BOUNDS + i] = ACTIVE | IMMUTABLE;
 
-  t->problem = (DAQPProblem){.n = N_X,
-                             .m = N_ROWS,
-                             .ms = N_BOUNDS,
-                             .H = t->H,
-                             .f = t->g,
-                             .A = t->A_rows,
-                             .bupper = t->upper,
-                             .blower = t->lower,
-                             .sense = t->sense};
+  t->problem = (DAQPProblem){.n = N_Y,
+                             .m = N_REDUCED,
+                             .H = t->reduced.H,
+                             .f = t->reduced.g,
+                             .A = t->reduced.A,
+                             .bupper = t->reduced.upper,
+                             .blower = t->reduced.lower};
   daqp_default_settings(&t->settings);
   t->settings.primal_tol = PRIMAL_TOLERANCE;
   t->settings.iter_limit = ITERATION_LIMIT;
 
   DAQPWorkspace* work = &t->work;
   work->settings = &t->settings;
-  allocate_daqp_workspace(work, N_X, 0);
+  allocate_daqp_workspace(work, N_Y, 0);
   work->qp = &t->problem;
-  work->n = N_X;
-  work->m = N_ROWS;
-  work->ms = N_BOUNDS;
-  work->scaling = malloc(N_ROWS * sizeof(double));
-  work->M = malloc(N_GENERAL * N_X * sizeof(double));
-  work->dupper = malloc(N_ROWS * sizeof(double));
-  work->dlower = malloc(N_ROWS * sizeof(double));
-  work->sense = malloc(N_ROWS * sizeof(int));
-  work->Rinv = malloc(TRIANGLE * sizeof(double));
+  work->n = N_Y;
+  work->m = N_REDUCED;
+  work->ms = 0;
+  work->scaling = malloc(N_REDUCED * sizeof(double));
+  work->M = malloc(N_REDUCED * N_Y * sizeof(double));
+  work->dupper = malloc(N_REDUCED * sizeof(double));
+  work->dlower = malloc(N_REDUCED * sizeof(double));
+  work->sense = malloc(N_REDUCED * sizeof(int));
+  work->Rinv = malloc(N_Y * (N_Y + 1) / 2 * sizeof(double));
   work->RinvD = NULL;
-  work->v = malloc(N_X * sizeof(double));
+  work->v = malloc(N_Y * sizeof(double));
   if (!work->scaling || !work->M || !work->dupper || !work->dlower || !work->sense ||
       !work->Rinv || !work->v) {
     tick_free(t);
@@ -117,29 +118,43 @@ static int first_refused(const struct tick* t, const double* request) {
   return 0;
 }
 
+/* x - x is 0, or NaN; eight sums side by side, because a compiler may not
+ * reorder one. */
 static int all_finite(const double* x, int n) {
-  double sum = 0.0;
-  for (int i = 0; i < n; i++) sum += x[i] - x[i]; /* 0, or NaN */
-  return sum == 0.0;
+  double sum[8] = {0.0}, rest = 0.0;
+  int i = 0;
+  for (; i + 8 <= n; i += 8)
+    for (int k = 0; k < 8; k++) sum[k] += x[i + k] - x[i + k];
+  for (; i < n; i++) rest += x[i] - x[i];
+  for (int k = 0; k < 8; k++) rest += sum[k];
+  return rest == 0.0;
 }
 
-static void evaluate_qp(struct tick* t, const double* request) {
-  double* results[] = {t->H, t->g, t->A, t->lower, t->upper, t->h_a, t->error, t->feedback};
+/* Returns 0, or -1 if the data are not finite. */
+static int evaluate_data(struct tick* t, const double* request) {
+  double* results[] = {t->H_qdd, t->H_lambda, t->g,        t->A, t->lower, t->upper,
+                       t->h_a,   t->error,    t->feedback, t->J, t->W_q,   t->qdd_des};
   t->arguments[0] = request;
   memcpy(t->results, results, sizeof results);
-  qp(t->arguments, t->results, t->iw, t->w, 0);
-  /* CasADi stores columns, DAQP reads rows */
-  for (int j = 0; j < N_X; j++)
-    for (int i = 0; i < N_GENERAL; i++) t->A_rows[i * N_X + j] = t->A[j * N_GENERAL + i];
+  terms(t->arguments, t->results, t->iw, t->w, 0);
+  if (!(all_finite(t->A, N_GENERAL * N_X) && all_finite(t->lower, N_ROWS) &&
+        all_finite(t->upper, N_ROWS) && all_finite(t->h_a, N_TAU)))
+    return -1;
+  if (add_posture(t->J, t->W_q, t->qdd_des, &t->posture, t->H_qdd, t->g)) return -1;
+  return all_finite(t->H_qdd, N_V * N_V) && all_finite(t->g, N_X) ? 0 : -1;
 }
 
-/* The set-up of DAQP: Cholesky of H, transformed rows, equalities activated. */
-static int factorize(DAQPWorkspace* work) {
-  /* DAQP leaves the scaling of zero rows unwritten */
-  for (int i = 0; i < N_ROWS; i++) work->scaling[i] = 1.0;
-  const int flag = update_ldp(
-      UPDATE_Rinv | UPDATE_M | UPDATE_v | UPDATE_d | UPDATE_sense, work);
-  return flag < 0 ? flag : activate_constraints(work);
+static int is_inside(const struct tick* t) {
+  for (int i = N_V - N_TAU; i < N_V; i++)
+    if (!(t->x[i] >= t->lower[i] && t->x[i] <= t->upper[i])) return 0;
+  for (int i = N_EQUALITIES; i < N_GENERAL; i++)
+    if (!(t->rows[i] >= t->lower[N_V + i] && t->rows[i] <= t->upper[N_V + i])) return 0;
+  return 1;
+}
+
+static void evaluate_rows(struct tick* t) {
+  memset(t->rows, 0, sizeof t->rows);
+  for (int r = 0; r < N_X; r++) add_multiple(N_GENERAL, t->x[r], t->A + r * N_GENERAL, t->rows);
 }
 
 static enum status status_of(int flag) {
@@ -158,21 +173,38 @@ static enum status status_of(int flag) {
   }
 }
 
-static void recover(const struct tick* t, double* reply) {
-  const double* x = t->work.x;
-  const double* A_tau = t->A_rows + (N_GENERAL - N_TAU) * N_X;
-  for (int i = 0; i < N_TAU; i++) {
-    double tau = t->h_a[i];
-    for (int j = 0; j < N_X; j++) tau += A_tau[i * N_X + j] * x[j];
-    reply[REPLY_TAU + i] = tau;
+/* Set-up of DAQP: factors of H and the rows in its metric. */
+static int prepare_inequalities(struct tick* t) {
+  reduce_rows(t->A, t->lower, t->upper, &t->reduced);
+  /* DAQP leaves the scaling of zero rows unwritten */
+  for (int i = 0; i < N_REDUCED; i++) t->work.scaling[i] = 1.0;
+  const int flag =
+      update_ldp(UPDATE_Rinv | UPDATE_M | UPDATE_v | UPDATE_d | UPDATE_sense, &t->work);
+  /* rows whose bounds coincide were marked active by the set-up */
+  return flag < 0 ? flag : activate_constraints(&t->work);
+}
+
+static int solve_inequalities(struct tick* t) {
+  const int flag = daqp_ldp(&t->work);
+  if (flag > 0) {
+    ldp2qp_solution(&t->work);
+    expand(&t->reduced, t->work.x, t->x);
+    evaluate_rows(t);
   }
-  memcpy(reply + REPLY_QDD, x, N_X * sizeof(double)); /* qdd, then wrenches */
+  return flag;
+}
+
+static void fill_solution(const struct tick* t, int n_active, double* reply) {
+  for (int i = 0; i < N_TAU; i++)
+    reply[REPLY_TAU + i] = t->h_a[i] + t->rows[N_GENERAL - N_TAU + i];
+  memcpy(reply + REPLY_QDD, t->x, N_X * sizeof(double)); /* qdd, then wrenches */
   double* active = reply + REPLY_ACTIVE;
-  for (int i = 0; i < t->work.n_active; i++) {
+  for (int i = 0; i < N_EQUALITIES; i++) active[N_V + i] = 2.0;
+  for (int i = 0; i < n_active; i++) {
     const int row = t->work.WS[i];
-    active[row] = (t->work.sense[row] & LOWER) ? -1.0 : 1.0;
+    const int named = row < N_TAU ? N_V - N_TAU + row : N_V + N_EQUALITIES + row - N_TAU;
+    active[named] = (t->work.sense[row] & LOWER) ? -1.0 : 1.0;
   }
-  for (int i = 0; i < N_EQUALITIES; i++) active[N_BOUNDS + i] = 2.0;
 }
 
 static void answer_safely(struct tick* t, const double* request, double* reply) {
@@ -191,36 +223,44 @@ int tick_run(struct tick* t, const double* request, double* reply) {
   const int refused = first_refused(t, request);
   if (refused) return refused;
 
-  const double start = microseconds();
-  evaluate_qp(t, request);
-  const double evaluated = microseconds();
-  double factorized = evaluated, solved = evaluated;
-  enum status status = STATUS_NOT_FINITE;
-  int iterations = 0;
   memset(reply, 0, N_REPLY * sizeof(double));
-  if (all_finite(t->H, N_X * N_X) && all_finite(t->A_rows, N_GENERAL * N_X) &&
-      all_finite(t->g, N_X) && all_finite(t->lower, N_ROWS) && all_finite(t->upper, N_ROWS)) {
-    int flag = factorize(&t->work);
-    factorized = solved = microseconds();
-    if (flag >= 0) {
-      flag = daqp_ldp(&t->work);
-      if (flag > 0) ldp2qp_solution(&t->work);
-      iterations = t->work.iterations;
-      solved = microseconds();
+  const double start = microseconds();
+  const int finite = evaluate_data(t, request) == 0;
+  const double evaluated = microseconds();
+
+  enum status status = STATUS_NOT_FINITE;
+  double factorized = evaluated;
+  int n_active = 0;
+  if (finite) {
+    int flag = EXIT_OVERDETERMINED_INITIAL;
+    if (eliminate(t->A, t->lower + N_V, &t->reduced) == 0) {
+      reduce_cost(t->H_qdd, t->H_lambda, t->g, &t->reduced);
+      flag = EXIT_NONCONVEX;
+      if (solve_unconstrained(&t->reduced, t->x) == 0) {
+        evaluate_rows(t);
+        flag = EXIT_OPTIMAL;
+        if (!is_inside(t)) flag = prepare_inequalities(t) < 0 ? EXIT_INFEASIBLE : 0;
+      }
     }
-    status = status_of(flag < 0 ? flag : flag == 0 ? EXIT_CYCLE : flag);
-    if (status == STATUS_OK) {
-      recover(t, reply);
-      if (!all_finite(reply + REPLY_TAU, N_TAU + N_X)) status = STATUS_NOT_FINITE;
+    factorized = microseconds();
+    if (flag == 0) {
+      flag = solve_inequalities(t);
+      reply[REPLY_ITERATIONS] = (double)t->work.iterations;
+      n_active = t->work.n_active;
     }
+    status = status_of(flag);
   }
+  if (status == STATUS_OK) {
+    fill_solution(t, n_active, reply);
+    if (!all_finite(reply + REPLY_TAU, N_TAU + N_X)) status = STATUS_NOT_FINITE;
+  }
+  const double solved = microseconds();
   if (status != STATUS_OK) answer_safely(t, request, reply);
   if (all_finite(t->error, N_ERROR) && all_finite(t->feedback, N_ERROR)) {
     memcpy(reply + REPLY_ERROR, t->error, N_ERROR * sizeof(double));
     memcpy(reply + REPLY_FEEDBACK, t->feedback, N_ERROR * sizeof(double));
   }
   reply[REPLY_STATUS] = (double)status;
-  reply[REPLY_ITERATIONS] = (double)iterations;
   reply[REPLY_DATA_TIME] = evaluated - start;
   reply[REPLY_FACTORIZATION_TIME] = factorized - evaluated;
   reply[REPLY_SOLVE_TIME] = solved - factorized;

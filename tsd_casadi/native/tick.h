@@ -1,0 +1,51 @@
+/* What the parts of the tick share. The sizes come from problem.h. */
+#ifndef TSD_TICK_H
+#define TSD_TICK_H
+
+#include "problem.h"
+
+#define N_Y (N_X - N_EQUALITIES)
+#define N_INEQUALITIES (N_GENERAL - N_EQUALITIES)
+#define N_REDUCED (N_TAU + N_INEQUALITIES)
+#define N_ROWS (N_V + N_GENERAL)
+
+struct posture_work {
+  double G[N_J * N_J], Y[N_J * N_V];
+  double N[N_V * N_V], WN[N_V * N_V], P[N_V * N_V];
+};
+
+/* The QP in y, where x = x_0 + Z y satisfies the equalities. */
+struct elimination {
+  double ET[N_X * N_EQUALITIES], v[N_EQUALITIES * N_X], beta[N_EQUALITIES];
+  double x_0[N_X], Z[N_X * N_Y];
+  double HZ[N_X * N_Y], Hx_g[N_X];
+  double H[N_Y * N_Y], g[N_Y], U[N_Y * N_Y];
+  double A[N_REDUCED * N_Y], lower[N_REDUCED], upper[N_REDUCED];
+};
+
+/* H_qdd (N_V, N_V) and g_qdd gain the posture; J (N_J, N_V) by columns.
+ * Returns 0, or -1 if the numbers are not finite. */
+int add_posture(const double* J, const double* W_q, const double* qdd_des,
+                struct posture_work* work, double* H_qdd, double* g_qdd);
+
+/* x_0 and Z from the first rows of A (N_GENERAL, N_X, by columns) and their
+ * right-hand side e. Returns 0, or -1 if the rows depend on each other. */
+int eliminate(const double* A, const double* e, struct elimination* s);
+
+/* H and g in y. */
+void reduce_cost(const double* H_qdd, const double* H_lambda, const double* g,
+                 struct elimination* s);
+
+/* The optimum without inequalities. Returns 0, or -1 if H is not positive
+ * definite. */
+int solve_unconstrained(struct elimination* s, double* x);
+
+/* x = x_0 + Z y */
+void expand(const struct elimination* s, const double* y, double* x);
+
+/* Inequalities and their bounds in y: N_TAU joint accelerations, then the rows
+ * of A after the equalities. */
+void reduce_rows(const double* A, const double* lower, const double* upper,
+                 struct elimination* s);
+
+#endif
