@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix
 
-Kind = Literal["learned", "generalised", "constant", "none"]
+Kind = Literal["learned", "generalised", "constant", "nearest", "none"]
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,256 @@
+"""The whole idea in a few minutes: learning, lower gains, generalisation.
+
+Both services run as processes of their own with a fresh database; every run
+asks the controller over Zenoh at every tick.
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from tsd_casadi import Squat, __version__
+from tsd_casadi.exceptions import TsdError
+from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.progress import show_progress
+from tsd_casadi.robot import Robot
+from tsd_clients.figures import draw_figures
+from tsd_clients.learning import learn
+from tsd_clients.remote_controller import RemoteController
+from tsd_clients.remote_learner import RemoteLearner
+from tsd_clients.rendering import render_squat
+from tsd_clients.run import Run
+from tsd_clients.service_process import ServiceProcess, free_endpoint
+from tsd_clients.simulator import MujocoSimulator
+from tsd_clients.tables import console, print_goals, print_runs
+
+FREQUENCY = 0.25  # Hz
+MODEL_ERROR = 0.1
+REDUCED = 0.2  # P / 5
+AMPLITUDE = 0.03  # m
+DATABASE = (0.02, 0.04, 0.06, 0.08)  # m
+QUERIED, NEAREST = 0.05, 0.04  # m
+ITERATIONS = 2
+# runs of the first part, of the second, and how long one takes [s of laps]
+RUNS = 7 + 3 * len(DATABASE) + 5
+
+
+class _Demo:
+    """The runs of the demonstration, in order."""
+
+    def __init__(
+        self, robot: Robot, controller: RemoteController, learner: RemoteLearner, seed: int
+    ) -> None:
+        self.robot = robot
+        self.controller = controller
+        self.learner = learner
+        self.seed = seed
+        self.runs: dict[str, Run] = {}
+        self._done = 0
+
+    def play(self, report: Any) -> None:
+        """Do all runs; report(done, total) moves the bar."""
+        self._report = report
+        self._simulator = MujocoSimulator(self.robot, MODEL_ERROR)
+        self._perfect_model()
+        self._one_amplitude()
+        self._other_amplitude()
+
+    def _perfect_model(self) -> None:
+        simulator = MujocoSimulator(self.robot, 0.0)
+        self._run("3 cm, perfect model, none", AMPLITUDE, simulator=simulator)
+
+    def _one_amplitude(self) -> None:
+        runs = self._learn(AMPLITUDE, "3 cm")
+        self._run("3 cm, constant", AMPLITUDE, runs[1].feedforward.constant())
+        self._run("3 cm, P/5, none", AMPLITUDE, p_scale=REDUCED)
+        self._run("3 cm, P/5, learned, iteration 1", AMPLITUDE, runs[1].feedforward, REDUCED)
+
+    def _other_amplitude(self) -> None:
+        # the generalisation is to know 2, 4, 6 and 8 cm only
+        for entry in self.learner.database().entries:
+            self.learner.forget(entry.entry)
+        for amplitude in DATABASE:
+            self._learn(amplitude, f"{100 * amplitude:g} cm")
+        robot = self.robot.name
+        generalised = self.learner.query(
+            Squat.name, robot=robot, kind="generalised", amplitude=QUERIED, frequency=FREQUENCY
+        )
+        self._run("5 cm, generalised", QUERIED, generalised)
+        nearest = self.learner.query(
+            Squat.name, robot=robot, kind="learned", amplitude=NEAREST, frequency=FREQUENCY
+        )
+        self._run("5 cm, 4 cm entry as it is", QUERIED, replace(nearest, kind="nearest"))
+        self._learn(QUERIED, "5 cm")
+
+    def _learn(self, amplitude: float, label: str) -> list[Run]:
+        def keep(run: Run, notes: list[str]) -> None:
+            iteration = run.feedforward.iteration
+            kind = f"learned, iteration {iteration}" if iteration else "none"
+            self._keep(f"{label}, {kind}", run)
+            for note in notes:
+                console.print(f"note: {note}")
+
+        return learn(
+            self._simulator,
+            self.controller,
+            [Squat(amplitude, FREQUENCY)],
+            self.learner,
+            iterations=ITERATIONS,
+            seed=self.seed,
+            transport="zenoh",
+            progress=lambda _motion, _index: self._progress,
+            on_run=keep,
+        )
+
+    def _run(
+        self,
+        label: str,
+        amplitude: float,
+        feedforward: Feedforward | None = None,
+        p_scale: float = 1.0,
+        simulator: MujocoSimulator | None = None,
+    ) -> None:
+        run = (simulator or self._simulator).run(
+            self.controller,
+            Squat(amplitude, FREQUENCY),
+            feedforward=feedforward,
+            p_scale=p_scale,
+            seed=self.seed,
+            transport="zenoh",
+            progress=self._progress,
+        )
+        self._keep(label, run)
+
+    def _progress(self, done: float, total: float) -> None:
+        self._report(self._done + done / total, RUNS)
+
+    def _keep(self, label: str, run: Run) -> None:
+        self._done += 1
+        self.runs[label] = run
+
+
+def run_demo(robot: Robot, out: Path, seed: int = 0) -> dict[str, Any]:
+    """Run the demonstration and write its results.
+
+    Args:
+        robot: The robot.
+        out: Folder for summary.json, per-tick logs and figures.
+        seed: Of the starting randomness.
+
+    Returns:
+        The summary.
+
+    Raises:
+        TsdError: If a service does not start or a run fails.
+    """
+    start = monotonic()
+    try:
+        (out / "logs").mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise TsdError(f"cannot write to {out}: {error}; choose another with --out") from error
+    with _services(robot) as (controller, learner):
+        demo = _Demo(robot, controller, learner, seed)
+        with show_progress("demo", RUNS) as report:
+            demo.play(report)
+        served = controller.info().ticks_served
+    runs = demo.runs
+    summary = {
+        "robot": robot.name,
+        "version": __version__,
+        "gains": next(iter(runs.values())).gains,
+        "runs": [{"label": label, **run.summary()} for label, run in runs.items()],
+        "ticks_served": served,
+        "goals": _goals(runs),
+        "seconds": monotonic() - start,
+    }
+    with show_progress("writing", len(runs) + 2) as report:
+        for index, (label, run) in enumerate(runs.items()):
+            run.save_log(out / "logs" / f"{_file_name(label)}.npz")
+            report(index + 1, len(runs) + 2)
+        draw_figures(runs, out)
+        report(len(runs) + 1, len(runs) + 2)
+        pictures = render_squat(robot, runs["3 cm, learned, iteration 1"], out)
+    summary["seconds"] = monotonic() - start
+    (out / "summary.json").write_text(json.dumps(summary, indent=2))
+    _print(summary, out, pictures)
+    return summary
+
+
+@contextmanager
+def _services(robot: Robot) -> Iterator[tuple[RemoteController, RemoteLearner]]:
+    """Both services on free ports with a fresh database, stopped whatever happens."""
+    controller_endpoint, learner_endpoint = free_endpoint(), free_endpoint()
+    with tempfile.TemporaryDirectory(prefix="tsd-demo-") as folder:
+        database = str(Path(folder) / "demo.sqlite")
+        console.print("starting the controller (the first start compiles it, about 20 s)")
+        with (
+            ServiceProcess(
+                ["controller", "--robot", str(robot.path), "--listen", controller_endpoint]
+            ),
+            ServiceProcess(["learner", "--database", database, "--listen", learner_endpoint]),
+            RemoteController(robot.name, [controller_endpoint]) as controller,
+            RemoteLearner([learner_endpoint]) as learner,
+        ):
+            yield controller, learner
+
+
+def _file_name(label: str) -> str:
+    return label.replace("/", "_").replace(", ", "_").replace(" ", "_")
+
+
+def _goals(runs: dict[str, Run]) -> list[dict[str, Any]]:
+    """What the method promises, as ratios of two runs of this demonstration."""
+
+    def ratio(measure: str, one: str, other: str) -> float:
+        return float(getattr(runs[one], measure)) / float(getattr(runs[other], measure))
+
+    none, first, second = (f"3 cm, {k}" for k in ("none", "learned, iteration 1", "learned, iteration 2"))
+    reduced = "3 cm, P/5, learned, iteration 1"
+    generalised, direct = "5 cm, generalised", "5 cm, learned, iteration 2"
+    nearest = "5 cm, 4 cm entry as it is"
+    measured = [
+        ("RMS error, none / one iteration", ">= 80", ratio("rms_error", none, first)),
+        ("AC error, none / one iteration", ">= 5", ratio("ac_rms_error", none, first)),
+        ("AC error, none / two iterations", ">= 25", ratio("ac_rms_error", none, second)),
+        ("mean |feedback|, none / one iteration", ">= 80", ratio("mean_abs_feedback", none, first)),
+        ("RMS error, none at P / learned at P/5", ">= 20", ratio("rms_error", none, reduced)),
+        ("AC error, none / constant (must miss 5)", "< 5", ratio("ac_rms_error", none, "3 cm, constant")),
+        ("AC error, generalised / learned directly", "<= 1.5", ratio("ac_rms_error", generalised, direct)),
+        ("AC error, generalised / 4 cm entry", "<= 0.3", ratio("ac_rms_error", generalised, nearest)),
+        ("RMS error, perfect model [mm]", "< 0.02", 1e3 * runs["3 cm, perfect model, none"].rms_error),
+    ]
+    return [
+        {"id": name, "goal": goal, "measured": value, "met": _is_met(goal, value)}
+        for name, goal, value in measured
+    ]
+
+
+def _is_met(goal: str, value: float) -> bool:
+    relation, bound = goal.split()
+    return {
+        ">=": value >= float(bound),
+        "<=": value <= float(bound),
+        "<": value < float(bound),
+    }[relation]
+
+
+def _print(summary: dict[str, Any], out: Path, pictures: str) -> None:
+    ticks = sum(run["ticks"] for run in summary["runs"])
+    print_runs(
+        f"{summary['robot']}, {FREQUENCY} Hz, model error {100 * MODEL_ERROR:g} % unless said, "
+        "every tick over Zenoh",
+        summary["runs"],
+    )
+    print_goals(summary["goals"])
+    console.print(
+        f"{ticks} ticks, {summary['ticks_served']} counted by the controller; "
+        f"{summary['seconds']:.0f} s. {pictures}\n"
+        f"summary, logs and figures in {out}"
+    )
