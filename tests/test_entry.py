@@ -17,7 +17,7 @@ from tsd_casadi.recording import Context, Recording, TaskKey
 BASIS = PeriodicBasis()
 KEY = TaskKey.of("hermes_lower", "squat", ("com.z",), {"amplitude": 0.03, "frequency": 0.25})
 CONTEXT = Context("00ff", "abcd", {"P": [50.0], "D": [14.0]}, "0.1.0")
-PHASE = np.pi + np.linspace(0, 2 * np.pi, 400, endpoint=False)
+PHASE = np.pi + np.linspace(0, 2 * np.pi, 100, endpoint=False)
 NOTHING = np.zeros((1, BASIS.L))
 
 
@@ -29,7 +29,7 @@ def recording(
         key=KEY,
         basis=BASIS,
         applied=applied,
-        laps=[Lap(PHASE, np.full((1, 400), feedback))] * 2,
+        laps=[Lap(PHASE, np.full((1, 100), feedback))] * 2,
         errors={"rms_error_m": error, "ac_rms_error_m": error / 10},
         context=CONTEXT,
     )

@@ -10,7 +10,7 @@ from tsd_casadi.laps import Lap
 from tsd_casadi.periodic_basis import PeriodicBasis
 
 BASIS = PeriodicBasis()
-PHASE = np.pi + np.linspace(0, 2 * np.pi, 1000, endpoint=False)
+PHASE = np.pi + np.linspace(0, 2 * np.pi, 200, endpoint=False)
 
 
 def lap_of(feedback: np.ndarray) -> Lap:
@@ -74,14 +74,14 @@ def test_error_of_a_linear_loop_contracts_as_in_closed_form(gain: float) -> None
 
 def test_constant_disturbance_is_learned_at_once() -> None:
     # at zero frequency T is one: the feedback is all that is missing
-    weights = update_weights(np.zeros((1, BASIS.L)), [lap_of(np.full(1000, 0.75))], BASIS)
+    weights = update_weights(np.zeros((1, BASIS.L)), [lap_of(np.full(200, 0.75))], BASIS)
     np.testing.assert_allclose(BASIS.evaluate(PHASE, weights), 0.75, atol=1e-8)
 
 
 def test_no_feedback_leaves_the_weights_alone() -> None:
     applied = random_weights(1)
     np.testing.assert_allclose(
-        update_weights(applied, [lap_of(np.zeros(1000))], BASIS), applied, atol=1e-15
+        update_weights(applied, [lap_of(np.zeros(200))], BASIS), applied, atol=1e-15
     )
 
 
@@ -99,7 +99,7 @@ def test_update_adds_gain_times_what_was_fitted(seed: int, gain: float) -> None:
 @given(seed=st.integers(0, 100), scale=st.floats(-5.0, 5.0))
 def test_update_is_linear_in_weights_and_feedback(seed: int, scale: float) -> None:
     rng = np.random.default_rng(seed)
-    feedback = rng.normal(size=(2, 1000))
+    feedback = rng.normal(size=(2, 200))
     applied = rng.normal(size=(2, BASIS.L))
     separate = [
         update_weights(applied[[i]], [lap_of(feedback[i])], BASIS, 0.5) for i in range(2)
@@ -131,5 +131,5 @@ def test_several_laps_are_averaged() -> None:
 def test_applied_weights_are_not_changed_in_place() -> None:
     applied = random_weights(5)
     before = applied.copy()
-    update_weights(applied, [lap_of(np.ones(1000))], BASIS)
+    update_weights(applied, [lap_of(np.ones(200))], BASIS)
     np.testing.assert_array_equal(applied, before)

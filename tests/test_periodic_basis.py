@@ -26,7 +26,7 @@ def one_by_one(basis: PeriodicBasis, phase: float, weights: np.ndarray) -> float
     return above / below
 
 
-def lap_of_samples(count: int = 1000) -> np.ndarray:
+def lap_of_samples(count: int = 200) -> np.ndarray:
     return np.linspace(0, 2 * np.pi, count, endpoint=False)
 
 
@@ -98,7 +98,7 @@ def test_equal_weights_are_a_constant_signal(value: float, phase: float) -> None
 @pytest.mark.parametrize("value", [-3.0, 0.0, 0.75])
 def test_fit_of_a_constant_signal_is_equal_weights(value: float) -> None:
     phase = lap_of_samples()
-    weights = PeriodicBasis().fit(phase, np.full((1, 1000), value))
+    weights = PeriodicBasis().fit(phase, np.full((1, 200), value))
     np.testing.assert_allclose(weights, value, atol=1e-7)
 
 

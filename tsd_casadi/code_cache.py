@@ -10,6 +10,7 @@ whose hash does not match is compiled again.
 from __future__ import annotations
 
 import hashlib
+import importlib.metadata
 import os
 import shutil
 import stat
@@ -109,7 +110,9 @@ def _key(sources: Mapping[str, str], compiler: str) -> str:
         check=False,
     )
     digest.update(described.stderr.encode())
-    digest.update(repr((FLAGS, casadi.__version__, str(_solver_folder()))).encode())
+    digest.update(
+        repr((FLAGS, importlib.metadata.version("casadi"), str(_solver_folder()))).encode()
+    )
     return digest.hexdigest()[:32]
 
 

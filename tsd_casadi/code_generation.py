@@ -86,5 +86,7 @@ def _tables(tables: Mapping[str, list[int]]) -> str:
     lines = []
     for name, values in tables.items():
         lines.append(f"#define N_{name.upper()} {len(values)}")
-        lines.append(f"__attribute__((unused)) static const int {name}[] = {{{', '.join(map(str, [*values, 0]))}}};")
+        # one more, because C has no empty arrays
+        listed = ", ".join(map(str, [*values, 0]))
+        lines.append(f"__attribute__((unused)) static const int {name}[] = {{{listed}}};")
     return "\n".join(lines) + "\n"

@@ -115,9 +115,7 @@ class Controller:
             InvalidValue: If a number is not finite or out of range.
         """
         reply = np.empty(self.format.reply.size)
-        refused = self._compiled.tick_run(
-            self._context, request.ctypes.data, reply.ctypes.data
-        )
+        refused = self._compiled.tick_run(self._context, request.ctypes.data, reply.ctypes.data)
         if refused:
             raise self._refusal(request, refused - 1)
         return reply
@@ -140,9 +138,7 @@ class Controller:
         )
 
 
-def compile_controller(
-    robot: Robot, on_compile: Callable[[], None] | None = None
-) -> Controller:
+def compile_controller(robot: Robot, on_compile: Callable[[], None] | None = None) -> Controller:
     """Build, compile and load the controller of a robot.
 
     The compiled code is kept in the user's cache folder and found there next

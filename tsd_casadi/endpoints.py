@@ -40,9 +40,7 @@ def check_endpoint(endpoint: str) -> str:
     """
     well_formed = _ENDPOINT.match(endpoint)
     port = endpoint.rpartition(":")[2]
-    has_port = endpoint.startswith("unixsock-stream/") or (
-        port.isdigit() and 0 < int(port) < 65536
-    )
+    has_port = endpoint.startswith("unixsock-stream/") or (port.isdigit() and 0 < int(port) < 65536)
     if not well_formed or not has_port:
         raise InvalidValue(
             "endpoint", repr(endpoint), "PROTOCOL/ADDRESS:PORT, for instance tcp/127.0.0.1:7447"

@@ -240,9 +240,7 @@ class OutsideTrainedRange(TsdError):
 
     code = "extrapolation"
 
-    def __init__(
-        self, parameter: str, value: float, low: float, high: float, unit: str
-    ) -> None:
+    def __init__(self, parameter: str, value: float, low: float, high: float, unit: str) -> None:
         """Create the error for one parameter."""
         self.parameter = parameter
         self.value = value

@@ -19,9 +19,6 @@ from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.recording import Context, Recording, TaskKey
 from tsd_casadi.tick_format import STATUS_MEANING, TickFormat
 
-FEEDFORWARD_SCHEMA = "tsd.feedforward/1"
-INFO_SCHEMA = "tsd.info/1"
-
 Finite = Annotated[float, Field(allow_inf_nan=False, ge=-1e9, le=1e9)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_.]*$", max_length=100)]
 AnyMessage = TypeVar("AnyMessage", bound="Message")
@@ -51,8 +48,9 @@ class Message(BaseModel):
         except ValidationError as error:
             first = error.errors()[0]
             where = ".".join(map(str, first["loc"])) or "message"
-            raise MalformedMessage(f"{cls.__name__}: {where}: {first['msg']}", "valid JSON of it")\
-                from error
+            raise MalformedMessage(
+                f"{cls.__name__}: {where}: {first['msg']}", "valid JSON of it"
+            ) from error
 
 
 class ErrorMessage(Message):
@@ -118,7 +116,7 @@ class InfoMessage(Message):
     """What a controller is: enough to pack a tick without this software.
 
     Attributes:
-        schema_: Name and version of this message.
+        format: Name and version of this message.
         robot: Name of the robot.
         version: Version of the software.
         instance: Id of the service, as in every reply.
@@ -136,7 +134,7 @@ class InfoMessage(Message):
         ticks_refused: Ticks answered with an error.
     """
 
-    schema_: Literal["tsd.info/1"] = Field(INFO_SCHEMA, alias="schema", serialization_alias="schema")
+    format: Literal["tsd.info/1"] = "tsd.info/1"
     robot: str
     version: str
     instance: int
@@ -155,8 +153,15 @@ class InfoMessage(Message):
 
     @classmethod
     def of(
-        cls, tick_format: TickFormat, *, version: str, instance: int, protocol: int, model: str,
-        ticks_served: int, ticks_refused: int,
+        cls,
+        tick_format: TickFormat,
+        *,
+        version: str,
+        instance: int,
+        protocol: int,
+        model: str,
+        ticks_served: int,
+        ticks_refused: int,
     ) -> InfoMessage:
         """Describe a controller."""
         return cls(
@@ -176,10 +181,6 @@ class InfoMessage(Message):
             ticks_served=ticks_served,
             ticks_refused=ticks_refused,
         )
-
-    def encode(self) -> bytes:
-        """The message as UTF-8 JSON."""
-        return self.model_dump_json(by_alias=True).encode()
 
     def tick_format(self) -> TickFormat:
         """The meaning of requests and replies."""
@@ -237,7 +238,7 @@ class FeedforwardMessage(Message):
     """A feedforward term: the project's most public contract.
 
     Attributes:
-        schema_: Name and version of this message.
+        format: Name and version of this message.
         robot: Name of the robot.
         task: Name of the motion.
         axes: Names 'task.axis', k of them, world axes.
@@ -250,9 +251,7 @@ class FeedforwardMessage(Message):
         provenance: Entries used, iteration, errors, gains.
     """
 
-    schema_: Literal["tsd.feedforward/1"] = Field(
-        FEEDFORWARD_SCHEMA, alias="schema", serialization_alias="schema"
-    )
+    format: Literal["tsd.feedforward/1"] = "tsd.feedforward/1"
     robot: str
     task: str
     axes: tuple[str, ...]
@@ -281,10 +280,6 @@ class FeedforwardMessage(Message):
             kind=feedforward.kind,
             provenance=feedforward.provenance,
         )
-
-    def encode(self) -> bytes:
-        """The message as UTF-8 JSON."""
-        return self.model_dump_json(by_alias=True).encode()
 
     def feedforward(self) -> Feedforward:
         """The feedforward.
@@ -481,4 +476,4 @@ def _matrix(name: str, rows: list[list[float]], shape: tuple[int, int]) -> Any:
 
 def json_schema() -> str:
     """JSON schema of the feedforward message, for the docs."""
-    return json.dumps(FeedforwardMessage.model_json_schema(by_alias=True), indent=2)
+    return json.dumps(FeedforwardMessage.model_json_schema(), indent=2)

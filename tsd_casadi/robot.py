@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pinocchio
-import tsd_models
 
+import tsd_models
 from tsd_casadi.exceptions import RobotFileError, UnknownRobot
 from tsd_casadi.robot_file import RobotFile, read_robot_file
 from tsd_casadi.state import State, Vector

@@ -220,9 +220,9 @@ def read_robot_file(path: Path) -> RobotFile:
         robot_file = RobotFile.model_validate(document)
     except ValidationError as error:
         first = error.errors()[0]
-        field = ".".join(
-            str(part) for part in first["loc"] if part not in ("com", "frame")
-        ) or "robot"
+        field = (
+            ".".join(str(part) for part in first["loc"] if part not in ("com", "frame")) or "robot"
+        )
         found = _describe(first["type"], first.get("input"))
         raise RobotFileError(path, field, found, _expectation(first)) from error
     _check_ranges(path, robot_file)

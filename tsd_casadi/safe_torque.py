@@ -18,9 +18,7 @@ import casadi as ca
 DAMPING = 1e-6
 
 
-def safe_torque(
-    gravity: ca.SX, J_c: ca.SX, v: ca.SX, damping: ca.SX, limit: ca.SX
-) -> ca.SX:
+def safe_torque(gravity: ca.SX, J_c: ca.SX, v: ca.SX, damping: ca.SX, limit: ca.SX) -> ca.SX:
     """Torque that holds the robot against gravity and takes out speed.
 
     Args:

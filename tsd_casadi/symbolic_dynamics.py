@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import casadi as ca
-from pinocchio_casadi import SymbolicModel
 
+from pinocchio_casadi import SymbolicModel
 from tsd_casadi.robot import Robot
 
 
@@ -72,15 +72,15 @@ class SymbolicDynamics:
         self.nv = robot.nv
 
     def mass_matrix(self) -> ca.SX:
-        """M, (nv, nv) [kg, kg m, kg m^2]."""
+        """Joint-space inertia M, (nv, nv) [kg, kg m, kg m^2]."""
         return self._model.mass_matrix()(self.q)
 
     def bias_forces(self) -> ca.SX:
-        """h, Coriolis, centrifugal and gravity forces, (nv,) [N, N m]."""
+        """Coriolis, centrifugal and gravity forces h, (nv,) [N, N m]."""
         return self._model.bias_forces()(self.q, self.v)
 
     def gravity_forces(self) -> ca.SX:
-        """h at rest, (nv,) [N, N m]."""
+        """Gravity forces, h at rest, (nv,) [N, N m]."""
         return self._model.bias_forces()(self.q, ca.SX.zeros(self.nv))
 
     def center_of_mass(self) -> PointKinematics:

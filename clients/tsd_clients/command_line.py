@@ -172,18 +172,20 @@ def simulate(
     wanted.check(loaded)
     learned = _ask_feedforward(feedforward, loaded, wanted, connect)
     simulator = MujocoSimulator(loaded, model_error)
-    with _open_controller(controller, loaded, connect) as opened:
-        with show_progress(f"{motion} {amplitude:g} m", 1.0) as progress:
-            run = simulator.run(
-                opened,
-                wanted,
-                laps=laps,
-                feedforward=learned,
-                p_scale=p_scale,
-                seed=seed,
-                transport=controller.value,
-                progress=progress,
-            )
+    with (
+        _open_controller(controller, loaded, connect) as opened,
+        show_progress(f"{motion} {amplitude:g} m", 1.0) as progress,
+    ):
+        run = simulator.run(
+            opened,
+            wanted,
+            laps=laps,
+            feedforward=learned,
+            p_scale=p_scale,
+            seed=seed,
+            transport=controller.value,
+            progress=progress,
+        )
     if log is not None:
         run.save_log(log)
     summary = {"label": _label(run), **run.summary()}
@@ -304,8 +306,10 @@ def forget_entry(
         reply = remote.forget(entry)
     if reply.forgotten is not None:
         forgotten = reply.forgotten
-        typer.echo(f"forgot entry {forgotten.entry}: {forgotten.task} of {forgotten.robot}, "
-                   f"{describe_parameters(forgotten)}")
+        typer.echo(
+            f"forgot entry {forgotten.entry}: {forgotten.task} of {forgotten.robot}, "
+            f"{describe_parameters(forgotten)}"
+        )
 
 
 @app.command()
@@ -354,7 +358,9 @@ def _ask_feedforward(
     if choice is FeedforwardChoice.NONE:
         return None
     with RemoteLearner(connect or [LEARNER]) as remote:
-        return remote.query(motion.name, robot=robot.name, kind=choice.value, **motion.parameters)
+        return remote.query(
+            motion.name, robot=robot.name, kind=choice.value, extrapolate=False, **motion.parameters
+        )
 
 
 def _label(run: Run) -> str:

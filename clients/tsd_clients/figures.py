@@ -12,7 +12,7 @@ from tsd_clients.run import Run
 
 matplotlib.use("Agg")
 
-from matplotlib import pyplot as plt  # noqa: E402  (after the backend is chosen)
+from matplotlib import pyplot as plt
 
 # distinct in colour and in grey
 STYLES: dict[str, dict[str, Any]] = {
@@ -59,16 +59,16 @@ def _draw_tracking(runs: dict[str, tuple[Run, str]], path: Path, title: str) -> 
         for axes in (middle, bottom):
             axes.plot(time, 1e3 * error, **STYLES[style])
     first = next(iter(runs.values()))[0]
-    top.plot(
-        first.log["time"], first.log["reference"], label="reference", **STYLES["reference"]
-    )
+    top.plot(first.log["time"], first.log["reference"], label="reference", **STYLES["reference"])
     start = float(first.log["time"][np.argmax(first.log["lap"] >= 0)])
     for axes in (top, middle, bottom):
         axes.axvline(start, color="black", linestyle=":", linewidth=1)
         axes.grid(alpha=0.3)
     top.set_ylabel("CoM z [m]")
     top.set_title(title)
-    top.legend(loc="upper right", fontsize=8, ncols=2)
+    top.legend(loc="upper center", fontsize=8, ncols=4)
+    low, high = top.get_ylim()
+    top.set_ylim(low, high + 0.2 * (high - low))  # room for the legend
     middle.set_ylabel("error [mm]")
     learned = [run for label, (run, _) in runs.items() if label != "no feedforward"]
     bound = max(1e3 * run.peak_error for run in learned)

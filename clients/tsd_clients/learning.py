@@ -168,10 +168,10 @@ def record_of(
 
 def _served(learner: Learner, robot: str, motion: Motion) -> Feedforward | None:
     try:
-        return learner.query(motion.name, robot=robot, kind="learned", **motion.parameters)
+        return learner.query(
+            motion.name, robot=robot, kind="learned", extrapolate=False, **motion.parameters
+        )
     except TsdError as error:
         if error.code != "not_found":
             raise
         return None
-
-

@@ -113,7 +113,5 @@ class RemoteLearner:
         Raises:
             ServiceError: If there is none of that number.
         """
-        (body, *_) = self._session.query(
-            database_key(ANY_ROBOT), parameters={"forget": str(entry)}
-        )
+        (body, *_) = self._session.query(database_key(ANY_ROBOT), parameters={"forget": str(entry)})
         return DatabaseReply.decode(body)

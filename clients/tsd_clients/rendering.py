@@ -51,7 +51,8 @@ def render_squat(robot: Robot, run: Run, out: Path) -> str:
 
 
 def _render_apart(library: str, robot: Path, postures: Path, target: Path) -> bool:
-    command = [sys.executable, "-m", "tsd_clients.rendering", str(robot), str(postures), str(target)]
+    arguments = [str(robot), str(postures), str(target)]
+    command = [sys.executable, "-m", "tsd_clients.rendering", *arguments]
     environment = {**os.environ, "MUJOCO_GL": library}
     try:
         done = subprocess.run(

@@ -51,7 +51,7 @@ class Run:
         return len(self.log["time"])
 
     def _measured(self, name: str) -> Vector:
-        return self.log[name][self.log["measured"]]
+        return np.asarray(self.log[name][self.log["measured"]])
 
     @property
     def rms_error(self) -> float:

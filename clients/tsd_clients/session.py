@@ -26,9 +26,7 @@ class Session:
         zenoh: The Zenoh session.
     """
 
-    def __init__(
-        self, role: str, endpoints: Sequence[str], *, low_latency: bool = False
-    ) -> None:
+    def __init__(self, role: str, endpoints: Sequence[str], *, low_latency: bool = False) -> None:
         """Connect.
 
         Args:

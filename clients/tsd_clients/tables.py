@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from rich import box
 from rich.console import Console
 from rich.table import Table
 
 from tsd_casadi.messages import DatabaseReply, EntryMessage
 
+# tables of runs need 100 columns; pipes and narrow terminals get them as well
 console = Console()
+if console.width < 100:
+    console = Console(width=100)
 
 
 def print_runs(title: str, summaries: Sequence[dict[str, Any]]) -> None:
@@ -20,19 +24,19 @@ def print_runs(title: str, summaries: Sequence[dict[str, Any]]) -> None:
         title: Heading.
         summaries: From ``Run.summary``, each with a 'label'.
     """
-    table = Table(title=title, title_justify="left")
-    table.add_column("run", no_wrap=True)
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1))
+    table.add_column("run")
     for heading in (
         "RMS\nmm",
         "peak\nmm",
         "AC RMS\nmm",
         "true RMS\nmm",
-        "|feedback|\nm/s²",
+        "|fb|\nm/s²",  # mean absolute feedback
         "laps",
-        "tick p50\nµs",
-        "tick p99\nµs",
+        "p50\nµs",
+        "p99\nµs",
     ):
-        table.add_column(heading, justify="right")
+        table.add_column(heading, justify="right", no_wrap=True)
     for summary in summaries:
         table.add_row(
             summary["label"] + _remarks(summary),
@@ -64,7 +68,7 @@ def print_goals(goals: Sequence[dict[str, Any]]) -> None:
     Args:
         goals: With 'id', 'goal', 'measured' and 'met'.
     """
-    table = Table(title="goals", title_justify="left")
+    table = Table(title="goals", title_justify="left", box=box.SIMPLE_HEAD)
     table.add_column("comparison")
     table.add_column("goal", justify="right")
     table.add_column("measured", justify="right")
@@ -81,7 +85,12 @@ def print_entries(reply: DatabaseReply) -> None:
     Args:
         reply: The learner's answer.
     """
-    table = Table(title=f"database {reply.database}", title_justify="left")
+    table = Table(
+        title=f"database {reply.database}",
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1),
+    )
     for heading in ("entry", "robot", "task", "parameters", "iterations"):
         table.add_column(heading)
     for heading in ("served", "its RMS\nmm", "its AC RMS\nmm"):
@@ -98,11 +107,15 @@ def print_entries(reply: DatabaseReply) -> None:
             str(entry.served),
             f"{1e3 * errors['rms_error_m']:.4f}" if errors else "untested",
             f"{1e3 * errors['ac_rms_error_m']:.4f}" if errors else "",
-            entry.updated,
+            entry.updated.replace("+00:00", "Z"),
         )
     console.print(table)
 
 
 def describe_parameters(entry: EntryMessage) -> str:
-    """Task parameters with units."""
+    """Task parameters with units.
+
+    Args:
+        entry: The entry.
+    """
     return ", ".join(f"{name} {q.value:g} {q.unit}" for name, q in entry.parameters.items())

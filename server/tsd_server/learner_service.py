@@ -76,7 +76,7 @@ class LearnerService:
         answers[key](query, robot)
 
     def _feedforward(self, query: zenoh.Query, robot: str) -> None:
-        texts = {name: str(value) for name, value in dict(query.parameters).items()}
+        texts = {name: str(value) for name, value in _items(query.parameters)}
         if "task" not in texts:
             raise MalformedMessage(
                 "no task in the query", "?task=squat;amplitude=0.05;frequency=0.25"
@@ -125,6 +125,11 @@ class LearnerService:
         )
         name = EVERY if robot == ANY_ROBOT else robot
         reply_json(query, database_key(name), reply.encode())
+
+
+def _items(parameters: zenoh.Parameters) -> list[tuple[str, str]]:
+    # the stub does not know that Parameters iterate over pairs
+    return list(dict(parameters).items())  # type: ignore[call-overload]
 
 
 def _parameters(texts: dict[str, str]) -> dict[str, float]:

@@ -77,7 +77,7 @@ class Service:
     ) -> None:
         """Stop the threads and close the session."""
         self._stop.set()
-        self.session.close()
+        self.session.close()  # type: ignore[no-untyped-call]
         for thread in self._threads:
             thread.join(timeout=1.0)
 
@@ -91,10 +91,8 @@ class Service:
             newest_only: Drop the oldest waiting queries under overload, which
                 tells their clients at once, instead of making all wait.
         """
-        channel = (
-            zenoh.handlers.RingChannel(64) if newest_only else zenoh.handlers.FifoChannel(256)
-        )
-        queryable = self.session.declare_queryable(key, channel, complete=True)
+        channel: Any = RingChannel(64) if newest_only else FifoChannel(256)
+        queryable: Any = self.session.declare_queryable(key, channel, complete=True)
         self._queryables.append(queryable)  # undeclared when forgotten
         thread = threading.Thread(target=self._loop, args=(queryable, answer), daemon=True)
         self._threads.append(thread)
@@ -115,7 +113,7 @@ class Service:
         for endpoint in self._listen:
             print(f"{self._role} ready on {endpoint}: {description}", flush=True)
         self._stop.wait()
-        token.undeclare()
+        token.undeclare()  # type: ignore[no-untyped-call]
         if self._failure is not None:
             raise self._failure
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from tsd_casadi.constraints.cone import FZ, MX, MY, cone_rows
+from tsd_casadi.constraints.cone import FZ, MX, MY, Faces, cone_rows
 from tsd_casadi.rows import Rows
 
 
@@ -25,7 +25,7 @@ def center_of_pressure(contact: str, extents: ca.SX, nv: int, selection: ca.SX) 
     Returns:
         Rows x_low f_z <= -m_y <= x_high f_z and y_low f_z <= m_x <= y_high f_z.
     """
-    faces = {
+    faces: Faces = {
         "-x": {FZ: -extents[0], MY: -1.0},
         "+x": {FZ: extents[1], MY: 1.0},
         "-y": {FZ: -extents[2], MX: 1.0},

@@ -8,12 +8,13 @@ import casadi as ca
 
 from tsd_casadi.rows import INFINITY, Rows
 
+# coefficients of each face by wrench component, by face name
+Faces = Mapping[str, Mapping[int, ca.SX | float]]
+
 FX, FY, FZ, MX, MY, MZ = range(6)
 
 
-def cone_rows(
-    prefix: str, faces: Mapping[str, Mapping[int, ca.SX | float]], nv: int, selection: ca.SX
-) -> Rows:
+def cone_rows(prefix: str, faces: Faces, nv: int, selection: ca.SX) -> Rows:
     """Faces of a polyhedral cone of wrenches.
 
     Args:

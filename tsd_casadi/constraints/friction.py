@@ -10,7 +10,7 @@ import math
 
 import casadi as ca
 
-from tsd_casadi.constraints.cone import FX, FY, FZ, cone_rows
+from tsd_casadi.constraints.cone import FX, FY, FZ, Faces, cone_rows
 from tsd_casadi.rows import Rows
 
 
@@ -27,7 +27,7 @@ def friction(contact: str, mu: ca.SX, nv: int, selection: ca.SX) -> Rows:
         Rows of the inscribed pyramid.
     """
     side = mu / math.sqrt(2)
-    faces = {
+    faces: Faces = {
         "-x": {FZ: side, FX: 1.0},
         "+x": {FZ: side, FX: -1.0},
         "-y": {FZ: side, FY: 1.0},

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from tsd_casadi.constraints.cone import FZ, MZ, cone_rows
+from tsd_casadi.constraints.cone import FZ, MZ, Faces, cone_rows
 from tsd_casadi.rows import Rows
 
 
@@ -23,5 +23,5 @@ def normal_torque(contact: str, gamma: ca.SX, nv: int, selection: ca.SX) -> Rows
     Returns:
         Rows of the resultant normal torque's bound.
     """
-    faces = {"-z": {FZ: gamma, MZ: 1.0}, "+z": {FZ: gamma, MZ: -1.0}}
+    faces: Faces = {"-z": {FZ: gamma, MZ: 1.0}, "+z": {FZ: gamma, MZ: -1.0}}
     return cone_rows(f"{contact}.normal_torque", faces, nv, selection)

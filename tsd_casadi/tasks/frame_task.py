@@ -49,9 +49,7 @@ class FrameTask(Task):
         frame = dynamics.frame(self.frame, local=False)
         reference = read("reference")
         R_ref = rotation_matrix(reference[3:])
-        error = ca.vertcat(
-            reference[:3] - frame.position, rotation_vector(R_ref @ frame.R.T)
-        )
+        error = ca.vertcat(reference[:3] - frame.position, rotation_vector(R_ref @ frame.R.T))
         J = frame.J[rows, :]
         return TaskTerms(
             J=J,

@@ -90,7 +90,9 @@ class Task(abc.ABC):
         return (
             self.reference_field(robot),
             Field(f"{self.name}.reference_velocity", self.k, f"{unit}/s", along, default=zero),
-            Field(f"{self.name}.reference_acceleration", self.k, f"{unit}/s^2", along, default=zero),
+            Field(
+                f"{self.name}.reference_acceleration", self.k, f"{unit}/s^2", along, default=zero
+            ),
             Field(
                 f"{self.name}.feedforward",
                 self.k,
