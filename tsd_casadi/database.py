@@ -296,27 +296,34 @@ class Database:
 
     def _store(self, entry: Entry) -> None:
         entry.updated = datetime.now(UTC).isoformat(timespec="seconds")
-        values = (
-            entry.key.robot,
-            entry.key.task,
-            json.dumps(entry.key.axes),
-            json.dumps(dict(entry.key.parameters)),
-            entry.basis.L,
-            entry.basis.width,
+        state = (
             json.dumps(asdict(entry.context)),
             entry.learning_gain,
             entry.rule,
             entry.updated,
         )
-        rows = self._execute(
-            "INSERT INTO entry (robot, task, axes, parameters, basis_size, basis_width, context, "
-            "learning_gain, rule, updated) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
-            "ON CONFLICT (robot, task, axes, parameters) DO UPDATE SET "
-            "context = excluded.context, learning_gain = excluded.learning_gain, "
-            "rule = excluded.rule, updated = excluded.updated RETURNING id",
-            values,
-        )
-        entry.identifier = rows[0][0]
+        if entry.identifier:
+            self._execute(
+                "UPDATE entry SET context = ?, learning_gain = ?, rule = ?, updated = ? "
+                "WHERE id = ?",
+                (*state, entry.identifier),
+            )
+        else:
+            key = (
+                entry.key.robot,
+                entry.key.task,
+                json.dumps(entry.key.axes),
+                json.dumps(dict(entry.key.parameters)),
+                entry.basis.L,
+                entry.basis.width,
+            )
+            rows = self._execute(
+                "INSERT INTO entry (context, learning_gain, rule, updated, robot, task, axes, "
+                "parameters, basis_size, basis_width) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
+                "RETURNING id",
+                (*state, *key),
+            )
+            entry.identifier = rows[0][0]
         self._execute("DELETE FROM iteration WHERE entry = ?", (entry.identifier,))
         for iteration in entry.iterations:
             self._execute(

@@ -13,9 +13,6 @@ import warnings
 from collections.abc import Sequence
 
 import numpy as np
-from sklearn.exceptions import ConvergenceWarning
-from sklearn.gaussian_process import GaussianProcessRegressor
-from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
 from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
 from tsd_casadi.state import Matrix, Vector
@@ -46,6 +43,11 @@ class WeightRegression:
         Raises:
             EntryNotFound: If there are too few entries.
         """
+        # imported here: it takes longer than everything else at start-up
+        from sklearn.exceptions import ConvergenceWarning
+        from sklearn.gaussian_process import GaussianProcessRegressor
+        from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
+
         if len(inputs) < MINIMUM_ENTRIES:
             raise EntryNotFound(
                 f"generalising over {parameter} needs at least {MINIMUM_ENTRIES} learned "

@@ -11,10 +11,11 @@ from rich.table import Table
 
 from tsd_casadi.messages import DatabaseReply, EntryMessage
 
-# tables of runs need 100 columns; pipes and narrow terminals get them as well
+# tables need this many columns; pipes and narrow terminals get them as well
+WIDTH = 112
 console = Console()
-if console.width < 100:
-    console = Console(width=100)
+if console.width < WIDTH:
+    console = Console(width=WIDTH)
 
 
 def print_runs(title: str, summaries: Sequence[dict[str, Any]]) -> None:
@@ -92,10 +93,10 @@ def print_entries(reply: DatabaseReply) -> None:
         padding=(0, 1),
     )
     for heading in ("entry", "robot", "task", "parameters", "iterations"):
-        table.add_column(heading)
+        table.add_column(heading, no_wrap=True)
     for heading in ("served", "its RMS\nmm", "its AC RMS\nmm"):
         table.add_column(heading, justify="right")
-    table.add_column("updated")
+    table.add_column("updated", no_wrap=True)
     for entry in reply.entries:
         errors = dict(entry.iterations).get(entry.served)
         table.add_row(

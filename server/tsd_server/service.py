@@ -8,8 +8,10 @@ import sys
 import threading
 from collections.abc import Callable, Iterable, Sequence
 from types import FrameType, TracebackType
+from typing import Any
 
 import zenoh
+from zenoh.handlers import FifoChannel, RingChannel
 
 from tsd_casadi.endpoints import check_endpoint, configure_runtime, session_settings
 from tsd_casadi.exceptions import EndpointTaken, TsdError
@@ -63,7 +65,7 @@ class Service:
         try:
             self.session = zenoh.open(config)
         except zenoh.ZError as error:
-            raise EndpointTaken(role, ", ".join(self._listen), _first_line(error)) from error
+            raise EndpointTaken(role, ", ".join(self._listen), _reason(error)) from error
 
     def __enter__(self) -> Service:
         """Use as a context manager."""
@@ -144,8 +146,12 @@ class Service:
                 print(message.message, file=sys.stderr, flush=True)
 
 
-def _first_line(error: Exception) -> str:
-    return str(error).splitlines()[0] if str(error) else type(error).__name__
+def _reason(error: Exception) -> str:
+    # Zenoh's text goes on with its own source lines
+    text = str(error)
+    if "Address already in use" in text:
+        return "the address is already in use"
+    return text.split(" at /", maxsplit=1)[0] or type(error).__name__
 
 
 def reply_json(query: zenoh.Query, key: str, body: bytes) -> None:

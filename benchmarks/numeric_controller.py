@@ -1,0 +1,208 @@
+"""The same QP from numeric Pinocchio, numpy and DAQP: what one would write by hand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import daqp
+import numpy as np
+import pinocchio
+
+from tsd_casadi.inverse_dynamics import InverseDynamics, QuadraticProgram
+from tsd_casadi.posture import DAMPING
+from tsd_casadi.robot_file import FRAME_AXES
+from tsd_casadi.state import Matrix, Vector
+
+EQUALITY = 5  # DAQP: active and immutable
+INFINITY = 1e30
+
+
+@dataclass(frozen=True)
+class NumericTick:
+    """One solved tick.
+
+    Attributes:
+        tau: (n,) [N m].
+        flag: DAQP's exit flag, 1 is optimal.
+        times: Data, factorisation, solve [us].
+    """
+
+    tau: Vector
+    flag: int
+    times: tuple[float, float, float]
+
+
+class NumericController:
+    """Numeric Pinocchio for the dynamics, numpy for the rows, DAQP for the QP."""
+
+    def __init__(self, problem: InverseDynamics) -> None:
+        """Take robot, tasks and layout from a problem; none of its functions."""
+        self._problem = problem
+        self._model = problem.robot.model
+        self._data = self._model.createData()
+        self._contacts = problem.robot.description.contacts
+        self._frames = {
+            part.frame: self._model.getFrameId(part.frame)
+            for part in (*self._contacts, *problem.robot.description.tasks)
+            if hasattr(part, "frame")
+        }
+        self._lower = np.tril_indices(problem.nv, -1)
+        self._zero = np.zeros(problem.nv)
+        self._sense = np.zeros(len(problem.row_names), dtype=np.int32)
+        self._sense[problem.nv : problem.nv + problem.n_equalities] = EQUALITY
+
+    def tick(self, request: Vector) -> NumericTick:
+        """Solve one tick.
+
+        Args:
+            request: (request.size,).
+        """
+        start = perf_counter()
+        program, h_a = self.assemble(request)
+        data_time = perf_counter() - start
+        start = perf_counter()
+        x, _, flag, info = daqp.solve(
+            program.H,
+            program.g,
+            program.A,
+            program.upper,
+            program.lower,
+            self._sense,
+            primal_tol=1e-9,
+        )
+        solver_time = perf_counter() - start
+        n = self._problem.n
+        tau = program.A[-n:] @ x + h_a
+        factorization = min(info["setup_time"], solver_time)
+        times = (data_time, factorization, solver_time - factorization)
+        return NumericTick(tau, flag, tuple(1e6 * t for t in times))  # type: ignore[arg-type]
+
+    def assemble(self, request: Vector) -> tuple[QuadraticProgram, Vector]:
+        """The QP's numbers.
+
+        Args:
+            request: (request.size,).
+
+        Returns:
+            The QP and h_a (n,) [N m].
+        """
+        problem, model, data = self._problem, self._model, self._data
+        layout = problem.request.slices
+        nv, m = problem.nv, len(self._contacts)
+
+        def read(name: str) -> Vector:
+            return request[layout[name]]
+
+        q, v = read("q"), read("v")
+        M = pinocchio.crba(model, data, q)
+        M[self._lower] = M.T[self._lower]
+        h = pinocchio.nonLinearEffects(model, data, q, v)
+        J_com = pinocchio.jacobianCenterOfMass(model, data, q)
+        pinocchio.computeJointJacobians(model, data, q)
+        # this computes velocities and, with no acceleration, drifts as well
+        pinocchio.centerOfMass(model, data, q, v, self._zero)
+        pinocchio.updateFramePlacements(model, data)
+
+        # contacts
+        J_all, J_active, rows, lower, upper = [], [], [], [], []
+        for index, contact in enumerate(self._contacts):
+            frame = self._frames[contact.frame]
+            J = pinocchio.getFrameJacobian(model, data, frame, pinocchio.LOCAL)
+            drift = pinocchio.getFrameClassicalAcceleration(
+                model, data, frame, pinocchio.LOCAL
+            ).vector
+            active = read(f"{contact.name}.active")[0]
+            row = np.zeros((6, nv + 6 * m))
+            row[:, :nv] = active * J
+            row[:, nv + 6 * index : nv + 6 * index + 6] = (1 - active) * np.eye(6)
+            rows.append(row)
+            lower.append(-active * drift)
+            upper.append(-active * drift)
+            J_all.append(J)
+            J_active.append(active * J)
+        J_c = np.vstack(J_all)
+        dynamics = np.hstack((M, -J_c.T))
+        rows.insert(0, dynamics[:6])
+        lower.insert(0, -h[:6])
+        upper.insert(0, -h[:6])
+        for index, contact in enumerate(self._contacts):
+            cone, low = self._cone(contact.name, read)
+            row = np.zeros((len(cone), nv + 6 * m))
+            row[:, nv + 6 * index : nv + 6 * index + 6] = cone
+            rows.append(row)
+            lower.append(low)
+            upper.append(np.full(len(low), INFINITY))
+        limit = read("limits.torque")
+        rows.append(dynamics[6:])
+        lower.append(-limit - h[6:])
+        upper.append(limit - h[6:])
+
+        # cost
+        H, g = np.zeros((nv + 6 * m, nv + 6 * m)), np.zeros(nv + 6 * m)
+        H[range(nv), range(nv)] = read("regularization.acceleration")[0]
+        J_tasks = []
+        for task in problem.robot.description.tasks:
+            prefix = task.name
+            axes = ("x", "y", "z") if task.type == "com" else FRAME_AXES
+            select = [axes.index(axis) for axis in task.axes]
+            reference = read(f"{prefix}.reference")
+            if task.type == "com":
+                J, drift = J_com[select], data.acom[0][select]
+                error = (reference - data.com[0])[select]
+            else:
+                frame = self._frames[task.frame]
+                world = pinocchio.LOCAL_WORLD_ALIGNED
+                J = pinocchio.getFrameJacobian(model, data, frame, world)[select]
+                drift = pinocchio.getFrameClassicalAcceleration(model, data, frame, world)
+                drift = drift.vector[select]
+                R_ref = pinocchio.Quaternion(reference[3:]).toRotationMatrix()
+                placement = data.oMf[frame]
+                turn = pinocchio.log3(R_ref @ placement.rotation.T)
+                error = np.concatenate((reference[:3] - placement.translation, turn))[select]
+            feedback = read(f"{prefix}.P") * error
+            feedback += read(f"{prefix}.D") * (read(f"{prefix}.reference_velocity") - J @ v)
+            desired = read(f"{prefix}.reference_acceleration") + read(f"{prefix}.feedforward")
+            desired = desired + feedback
+            W = np.zeros((len(select), len(select)))
+            W[np.tril_indices(len(select))] = read(f"{prefix}.W")
+            W = W + np.tril(W, -1).T
+            active = read(f"{prefix}.active")[0]
+            H[:nv, :nv] += active * J.T @ W @ J
+            g[:nv] -= active * J.T @ W @ (desired - drift)
+            J_tasks.append(active * J)
+        J = np.vstack(J_tasks + J_active)
+        P_null = np.eye(nv) - J.T @ np.linalg.solve(J @ J.T + DAMPING * np.eye(len(J)), J)
+        posture = P_null.T @ (read("posture.W")[:, None] * P_null)
+        joints = read("posture.P") * (read("posture.q_ref") - q[7:]) - read("posture.D") * v[6:]
+        H[:nv, :nv] += posture
+        g[:nv] -= posture @ np.concatenate((np.zeros(6), joints))
+        W_lambda = np.concatenate([read(f"{c.name}.W_lambda") for c in self._contacts])
+        lambda_des = np.concatenate([read(f"{c.name}.lambda_des") for c in self._contacts])
+        H[range(nv, nv + 6 * m), range(nv, nv + 6 * m)] = W_lambda
+        g[nv:] = -W_lambda * lambda_des
+
+        acceleration = np.concatenate((np.full(6, INFINITY), read("limits.acceleration")))
+        program = QuadraticProgram(
+            H,
+            g,
+            np.vstack(rows),
+            np.concatenate([-acceleration, *lower]),
+            np.concatenate([acceleration, *upper]),
+        )
+        return program, h[6:]
+
+    @staticmethod
+    def _cone(name: str, read: object) -> tuple[Matrix, Vector]:
+        assert callable(read)
+        x_low, x_high, y_low, y_high = read(f"{name}.extents")
+        mu = read(f"{name}.friction")[0] / np.sqrt(2)
+        gamma = read(f"{name}.torsional_friction")[0]
+        cone = np.zeros((11, 6))
+        cone[:10, 2] = (-x_low, x_high, -y_low, y_high, mu, mu, mu, mu, gamma, gamma)
+        cone[0, 4], cone[1, 4], cone[2, 3], cone[3, 3] = -1, 1, 1, -1
+        cone[4, 0], cone[5, 0], cone[6, 1], cone[7, 1] = 1, -1, 1, -1
+        cone[8, 5], cone[9, 5], cone[10, 2] = 1, -1, 1
+        low = np.zeros(11)
+        low[10] = read(f"{name}.active")[0] * read(f"{name}.minimum_force")[0]
+        return cone, low

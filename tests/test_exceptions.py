@@ -1,0 +1,158 @@
+from __future__ import annotations
+
+import inspect
+import pickle
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tsd_casadi import exceptions
+from tsd_casadi.exceptions import TsdError
+
+HERE = Path("/some/where/robot.yaml")
+# every class: its arguments, the attributes it carries, words its message needs
+CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
+    "TsdError": (("what", ), {}, ["what"]),
+    "RobotFileError": (
+        (HERE, "tasks.0.P", "is -1", "a positive number"),
+        {"path": HERE, "field": "tasks.0.P", "expected": "a positive number"},
+        [str(HERE), "field 'tasks.0.P'", "is -1", "expected a positive number"],
+    ),
+    "UnknownRobot": (
+        ("hermse", ["hermes_lower", "other"]),
+        {"name": "hermse", "known": ["hermes_lower", "other"]},
+        ["'hermse'", "hermes_lower, other", ".yaml"],
+    ),
+    "UnknownField": (
+        ("com.Q", ["com.P", "com.D"]),
+        {"name": "com.Q", "known": ["com.P", "com.D"]},
+        ["'com.Q'", "com.P, com.D"],
+    ),
+    "InvalidValue": (
+        ("amplitude", 5, "0.001 to 0.08 m"),
+        {"field": "amplitude", "value": 5, "expected": "0.001 to 0.08 m"},
+        ["amplitude is 5", "expected 0.001 to 0.08 m"],
+    ),
+    "MalformedMessage": (("12 bytes", "32"), {"expected": "32"}, ["12 bytes", "expected 32"]),
+    "UnsupportedVersion": (("version 2", "1"), {"expected": "1"}, ["version 2"]),
+    "LayoutMismatch": (("layout 1", "layout 2"), {"expected": "layout 2"}, ["layout 1"]),
+    "CompilerNotFound": (
+        (["cc", "gcc"],),
+        {"tried": ["cc", "gcc"]},
+        ["cc, gcc", "apt install gcc", "CC"],
+    ),
+    "CompilationFailed": (
+        (["gcc", "-O2", "a.c"], "first\nsecond\nlast"),
+        {"command": ["gcc", "-O2", "a.c"], "output": "first\nsecond\nlast"},
+        ["gcc -O2 a.c", "last"],
+    ),
+    "CacheNotPrivate": ((HERE,), {"path": HERE}, [str(HERE), "chmod 700", "TSD_CACHE_DIR"]),
+    "ParityError": (
+        ("hermes_lower", "mass matrix", 1e-3, 1e-9),
+        {"quantity": "mass matrix", "difference": 1e-3},
+        ["hermes_lower", "mass matrix", "0.001", "1e-09", "inertias"],
+    ),
+    "DatabaseError": (
+        (HERE, "is locked", "wait"),
+        {"path": HERE},
+        [str(HERE), "is locked", "wait"],
+    ),
+    "EntryNotFound": (("nothing",), {}, ["nothing"]),
+    "OutsideTrainedRange": (
+        ("amplitude", 0.1, 0.02, 0.08, "m"),
+        {"parameter": "amplitude", "value": 0.1, "low": 0.02, "high": 0.08},
+        ["amplitude 0.1 m", "0.02 to 0.08 m", "extrapolate=true"],
+    ),
+    "IncompatibleEntry": (("other basis",), {}, ["other basis"]),
+    "ServiceUnreachable": (
+        ("controller", ["tcp/127.0.0.1:7447"], "timeout"),
+        {"role": "controller", "endpoints": ["tcp/127.0.0.1:7447"]},
+        ["no controller", "tcp/127.0.0.1:7447", "timeout", "tsd controller", "--connect"],
+    ),
+    "ServiceError": (("not_found", "nothing there"), {"code": "not_found"}, ["nothing there"]),
+    "EndpointTaken": (
+        ("learner", "tcp/127.0.0.1:7448", "in use"),
+        {"endpoint": "tcp/127.0.0.1:7448"},
+        ["learner", "tcp/127.0.0.1:7448", "in use", "--listen"],
+    ),
+    "TwoServices": (("two",), {}, ["two"]),
+    "SimulationError": (("fell",), {}, ["fell"]),
+}
+
+
+def every_class() -> dict[str, type[TsdError]]:
+    return {
+        name: value
+        for name, value in vars(exceptions).items()
+        if inspect.isclass(value) and issubclass(value, Exception)
+    }
+
+
+def test_every_class_is_tested_here() -> None:
+    assert every_class().keys() == CASES.keys()
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_all_can_be_caught_as_one(name: str) -> None:
+    assert issubclass(every_class()[name], TsdError)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_data_are_attributes_and_the_message_says_it_all(name: str) -> None:
+    arguments, attributes, words = CASES[name]
+    error = every_class()[name](*arguments)
+    for attribute, value in attributes.items():
+        assert getattr(error, attribute) == value
+    for word in words:
+        assert word in str(error)
+
+
+def test_codes_are_distinct_words() -> None:
+    # a ServiceError repeats the code of the service
+    codes = [kind.code for name, kind in every_class().items() if name != "ServiceError"]
+    assert len(set(codes)) == len(codes)
+    assert all(code.isidentifier() and code.islower() for code in codes)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_attribute_is_documented(name: str) -> None:
+    documented = "".join(kind.__doc__ or "" for kind in every_class()[name].__mro__)
+    for attribute in CASES[name][1]:
+        assert f"{attribute}: " in documented
+
+
+def test_wrong_values_are_value_errors_and_missing_fields_key_errors() -> None:
+    assert issubclass(exceptions.InvalidValue, ValueError)
+    assert issubclass(exceptions.MalformedMessage, ValueError)
+    assert issubclass(exceptions.UnknownField, KeyError)
+
+
+def test_versions_and_layouts_are_malformed_messages() -> None:
+    assert issubclass(exceptions.UnsupportedVersion, exceptions.MalformedMessage)
+    assert issubclass(exceptions.LayoutMismatch, exceptions.MalformedMessage)
+
+
+def test_unknown_field_reads_like_the_others() -> None:
+    # KeyError would put the message in quotes
+    assert str(exceptions.UnknownField("a", ["b"])) == "no field 'a'; there are b"
+
+
+def test_a_robot_file_error_without_a_field_is_about_the_file() -> None:
+    error = exceptions.RobotFileError(HERE, "", "is empty", "YAML")
+    assert f"{HERE}: file: is empty" in str(error)
+
+
+def test_a_long_compiler_output_is_kept_whole_and_shown_in_part() -> None:
+    output = "\n".join(f"line {index}." for index in range(100))
+    error = exceptions.CompilationFailed(["gcc"], output)
+    assert error.output == output
+    assert "line 99." in str(error)
+    assert "line 50." not in str(error)
+
+
+@pytest.mark.xfail(strict=True, reason="exceptions with more than one argument do not unpickle")
+def test_errors_survive_pickling_as_multiprocessing_does() -> None:
+    for name, (arguments, attributes, _) in CASES.items():
+        error = pickle.loads(pickle.dumps(every_class()[name](*arguments)))
+        assert {key: getattr(error, key) for key in attributes} == attributes

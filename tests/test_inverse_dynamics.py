@@ -1,0 +1,586 @@
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pinocchio
+import pytest
+import quadprog
+from scipy.spatial.transform import Rotation
+
+from tsd_casadi import Controller, InverseDynamics, Robot, Status, Tick
+from tsd_casadi.inverse_dynamics import QuadraticProgram
+from tsd_casadi.posture import DAMPING, null_space_projector
+from tsd_casadi.robot_file import COM_AXES, FRAME_AXES
+from tsd_casadi.tasks.task import pack_lower_triangle
+
+EACH = 250
+LEAST_ACTIVE = 3
+
+
+class Request:
+    def __init__(self, problem: InverseDynamics) -> None:
+        self.layout = problem.request
+        self.vector = problem.request.defaults()
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.vector[self.layout.slice(name)]
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        self.vector[self.layout.slice(name)] = value
+
+    def names(self, ending: str) -> list[str]:
+        return [field.name for field in self.layout if field.name.endswith(ending)]
+
+
+def turned(quaternion: np.ndarray, rng: np.random.Generator, angle: float) -> np.ndarray:
+    away = Rotation.from_rotvec(rng.normal(scale=angle, size=3))
+    return np.asarray((away * Rotation.from_quat(quaternion)).as_quat())
+
+
+def random_request(problem: InverseDynamics, rng: np.random.Generator) -> Request:
+    robot, request = problem.robot, Request(problem)
+    q = request["q"]
+    q[:3] += rng.normal(scale=0.1, size=3)
+    q[3:7] = turned(q[3:7], rng, 0.05)
+    q[7:] += rng.normal(scale=0.05, size=robot.n)
+    if rng.random() < 0.1:  # almost straight knees
+        for side in "LR":
+            for joint, factor in ((f"{side}_HFE", -0.5), (f"{side}_KFE", 1), (f"{side}_AFE", -0.5)):
+                q[7 + robot.joint_names.index(joint)] = factor * rng.uniform(0.01, 0.1)
+    request["v"] = rng.choice([-1, 1], robot.nv) * rng.uniform(0.01, 0.15, robot.nv)
+    for task in problem.tasks:
+        k, name = task.k, task.name
+        reference = request[f"{name}.reference"]
+        reference[:3] += rng.normal(scale=0.02, size=3)
+        if len(reference) == 7:
+            reference[3:] = turned(reference[3:], rng, 0.1)
+        request[f"{name}.reference_velocity"] = rng.normal(scale=0.1, size=k)
+        request[f"{name}.reference_acceleration"] = rng.normal(scale=0.3, size=k)
+        request[f"{name}.feedforward"] = rng.normal(scale=0.3, size=k)
+        request[f"{name}.P"] *= rng.uniform(0.5, 1.5, k)
+        request[f"{name}.D"] *= rng.uniform(0.5, 1.5, k)
+        root = np.eye(k) + rng.uniform(-0.3, 0.3, (k, k))
+        request[f"{name}.W"] = task.W * pack_lower_triangle(root @ root.T)
+    for name in ("posture.q_ref", *request.names(".lambda_des")):
+        request[name] += rng.normal(scale=0.1, size=request[name].shape)
+    for name in ("posture.P", "posture.D", "posture.W", *request.names(".W_lambda")):
+        request[name] *= rng.uniform(0.5, 1.5, request[name].shape)
+    return request
+
+
+def tighten(request: Request, rng: np.random.Generator) -> None:
+    request["limits.torque"] *= rng.uniform(0.15, 0.5, request["limits.torque"].shape)
+    request["limits.acceleration"] = rng.uniform(5, 60, request["limits.acceleration"].shape)
+    for name in request.names(".friction"):
+        request[name] = rng.uniform(0.1, 0.3)
+    for name in request.names(".torsional_friction"):
+        request[name] = rng.uniform(0.005, 0.02)
+    for name in request.names(".extents"):
+        request[name] *= rng.uniform(0.2, 0.6)
+    for name in request.names(".reference_acceleration"):
+        request[name] += rng.normal(scale=3.0, size=request[name].shape)
+
+
+@dataclass(frozen=True)
+class Solved:
+    request: Request
+    qp: QuadraticProgram
+    tick: Tick
+
+    @property
+    def x(self) -> np.ndarray:
+        return np.concatenate((self.tick.qdd, *self.tick.wrenches.values()))
+
+
+def solve(controller: Controller, request: Request) -> Solved:
+    qp = controller.problem.evaluate(request.vector)
+    return Solved(request, qp, Tick(controller.format, controller.run(request.vector)))
+
+
+@pytest.fixture(scope="module")
+def nominal(controller: Controller) -> list[Solved]:
+    rng = np.random.default_rng(0)
+    return [solve(controller, random_request(controller.problem, rng)) for _ in range(EACH)]
+
+
+@pytest.fixture(scope="module")
+def drawn(controller: Controller) -> list[Solved]:
+    rng = np.random.default_rng(1)
+    found: list[Solved] = []
+    while sum(is_stressed(solved) for solved in found) < EACH:
+        request = random_request(controller.problem, rng)
+        tighten(request, rng)
+        found.append(solve(controller, request))
+    return found
+
+
+def is_stressed(solved: Solved) -> bool:
+    return solved.tick.status == Status.OK and len(solved.tick.active) >= LEAST_ACTIVE
+
+
+@pytest.fixture(scope="module")
+def stressed(drawn: list[Solved]) -> list[Solved]:
+    return [solved for solved in drawn if is_stressed(solved)]
+
+
+@pytest.fixture(scope="module")
+def one_foot(controller: Controller) -> list[Solved]:
+    rng = np.random.default_rng(2)
+    found = []
+    for index in range(60):
+        request = random_request(controller.problem, rng)
+        request[f"{controller.format.contacts[index % 2]}.active"] = 0.0
+        if index % 3 == 0:
+            request[f"{controller.problem.tasks[index % 2].name}.active"] = 0.0
+        found.append(solve(controller, request))
+    return found
+
+
+@pytest.fixture(scope="module")
+def solutions(
+    nominal: list[Solved], stressed: list[Solved], one_foot: list[Solved]
+) -> list[Solved]:
+    return [*nominal, *stressed, *one_foot]
+
+
+def test_states_are_solved_and_half_of_them_are_stressed(
+    nominal: list[Solved], drawn: list[Solved], one_foot: list[Solved]
+) -> None:
+    for name, group in (("nominal", nominal), ("stressed", drawn), ("one foot", one_foot)):
+        print(name, Counter(solved.tick.status.name for solved in group))
+        print("  active", sorted(Counter(len(solved.tick.active) for solved in group).items()))
+    assert all(solved.tick.status == Status.OK for solved in (*nominal, *one_foot))
+    assert {s.tick.status for s in drawn} <= {Status.OK, Status.INFEASIBLE}
+    kinds = Counter(row.split(".")[-2] for s in drawn for row in s.tick.active)
+    print(kinds)
+    assert min(kinds.values()) > 20
+    assert set(kinds) == {
+        "center_of_pressure",
+        "friction",
+        "normal_torque",
+        "joint_torque",
+        "joint_acceleration",
+    } | ({"unilateral_force"} & set(kinds))
+
+
+def second_solver(problem: InverseDynamics, qp: QuadraticProgram) -> np.ndarray:
+    nv, meq = problem.nv, problem.n_equalities
+    A = np.vstack((qp.A, np.eye(nv, problem.nx)))
+    lower = np.concatenate((qp.lower[nv:], qp.lower[:nv]))
+    upper = np.concatenate((qp.upper[nv:], qp.upper[:nv]))
+    below, above = lower[meq:] > -1e29, upper[meq:] < 1e29
+    C = np.vstack((A[:meq], A[meq:][below], -A[meq:][above]))
+    b = np.concatenate((lower[:meq], lower[meq:][below], -upper[meq:][above]))
+    # variables of one size: quadprog's tolerances are absolute
+    scale = 1 / np.sqrt(np.diag(qp.H))
+    norms = np.maximum(np.linalg.norm(C * scale, axis=1), 1e-12)
+    solution = quadprog.solve_qp(
+        qp.H * scale * scale[:, None], -qp.g * scale, (C * scale).T / norms, b / norms, meq
+    )
+    return np.asarray(solution[0] * scale)
+
+
+def torque(problem: InverseDynamics, solved: Solved, x: np.ndarray) -> np.ndarray:
+    h_a = np.array(problem.qp(solved.request.vector)[5])[:, 0]
+    return np.asarray(solved.qp.A[-problem.n :] @ x + h_a)
+
+
+def assert_same(problem: InverseDynamics, solved: Solved, x: np.ndarray, tolerance: float) -> None:
+    nv, found = problem.nv, solved.x
+    for part, expected in (
+        (found[:nv], x[:nv]),
+        (found[nv:], x[nv:]),
+        (solved.tick.tau, torque(problem, solved, x)),
+    ):
+        scale = 1 + np.abs(expected).max()
+        np.testing.assert_allclose(part, expected, rtol=0, atol=tolerance * scale)
+
+
+def test_second_solver_finds_the_same_solution(
+    problem: InverseDynamics, solutions: list[Solved]
+) -> None:
+    for solved in solutions:
+        assert_same(problem, solved, second_solver(problem, solved.qp), 1e-6)
+
+
+def test_second_solver_agrees_on_what_is_infeasible(
+    problem: InverseDynamics, drawn: list[Solved]
+) -> None:
+    infeasible = [s for s in drawn if s.tick.status == Status.INFEASIBLE]
+    print(len(infeasible), "infeasible of", len(drawn))
+    for solved in infeasible:
+        with pytest.raises(ValueError, match="inconsistent"):
+            second_solver(problem, solved.qp)
+
+
+def test_reported_active_rows_give_the_optimum(
+    problem: InverseDynamics, solutions: list[Solved]
+) -> None:
+    nv, nx, meq = problem.nv, problem.nx, problem.n_equalities
+    for solved in solutions:
+        qp, state = solved.qp, solved.tick.reply[problem.format.reply.slice("active")]
+        np.testing.assert_array_equal(state[nv : nv + meq], 2.0)
+        A = np.vstack((np.eye(nv, nx), qp.A))
+        rows = np.flatnonzero(state)
+        target = np.where(state > 0, qp.upper, qp.lower)[rows]
+        kkt = np.block([[qp.H, A[rows].T], [A[rows], np.zeros((len(rows), len(rows)))]])
+        scale = 1 / np.sqrt(np.maximum(np.abs(kkt).max(axis=0), 1e-12))
+        both = np.linalg.lstsq(
+            kkt * scale * scale[:, None], np.concatenate((-qp.g, target)) * scale, rcond=1e-14
+        )
+        x, multipliers = np.split(both[0] * scale, [nx])
+        assert_same(problem, solved, x, 1e-7)
+        pushing = np.abs(state[rows]) == 1
+        assert (state[rows][pushing] * multipliers[pushing] >= -1e-7).all()
+
+
+def test_solutions_keep_every_row(problem: InverseDynamics, solutions: list[Solved]) -> None:
+    for solved in solutions:
+        values = np.concatenate((solved.x[: problem.nv], solved.qp.A @ solved.x))
+        excess = np.maximum(solved.qp.lower - values, values - solved.qp.upper)
+        worst = int(excess.argmax())
+        assert excess[worst] < 1e-6, problem.format.row_names[worst]
+
+
+def test_torque_stays_inside_its_limits(solutions: list[Solved]) -> None:
+    for solved in solutions:
+        assert (np.abs(solved.tick.tau) <= solved.request["limits.torque"] + 1e-6).all()
+
+
+# The same problem again, from the paper's equations with numeric Pinocchio.
+
+
+class Numeric:
+    def __init__(self, robot: Robot, request: Request) -> None:
+        self.robot, self.request, model = robot, request, robot.model
+        self.model = model
+        self.q, self.v = request["q"], request["v"]
+        self.data = model.createData()
+        zero = np.zeros(model.nv)
+        upper = np.triu(pinocchio.crba(model, self.data, self.q))
+        self.M = upper + np.triu(upper, 1).T
+        self.h = np.array(pinocchio.nonLinearEffects(model, self.data, self.q, self.v))
+        self.J_com = np.array(pinocchio.jacobianCenterOfMass(model, self.data, self.q))
+        pinocchio.centerOfMass(model, self.data, self.q, self.v, zero)
+        self.com = np.array(self.data.com[0])
+        self.drift_com = np.array(self.data.acom[0])
+        pinocchio.computeJointJacobians(model, self.data, self.q)
+        pinocchio.forwardKinematics(model, self.data, self.q, self.v, zero)
+        pinocchio.updateFramePlacements(model, self.data)
+
+    def frame(self, name: str, axes: Any) -> tuple[Any, np.ndarray, np.ndarray]:
+        frame = self.model.getFrameId(name)
+        drift = pinocchio.getFrameClassicalAcceleration(self.model, self.data, frame, axes)
+        J = pinocchio.getFrameJacobian(self.model, self.data, frame, axes)
+        return self.data.oMf[frame], np.array(J), np.array(drift.vector)
+
+    def contacts(self) -> list[tuple[Any, np.ndarray, np.ndarray, bool]]:
+        return [
+            (contact, *self.frame(contact.frame, pinocchio.LOCAL)[1:], self.is_active(contact.name))
+            for contact in self.robot.description.contacts
+        ]
+
+    def is_active(self, name: str) -> bool:
+        return bool(self.request[f"{name}.active"][0])
+
+    @property
+    def J_c(self) -> np.ndarray:
+        return np.vstack([J for _, J, _, _ in self.contacts()])
+
+    def task(self, task: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        reference = self.request[f"{task.name}.reference"]
+        if task.type == "com":
+            rows = [COM_AXES.index(axis) for axis in task.axes]
+            J, drift, error = self.J_com, self.drift_com, reference - self.com
+        else:
+            rows = [FRAME_AXES.index(axis) for axis in task.axes]
+            placement, J, drift = self.frame(task.frame, pinocchio.LOCAL_WORLD_ALIGNED)
+            away = Rotation.from_quat(reference[3:]) * Rotation.from_matrix(placement.rotation).inv()
+            error = np.concatenate((reference[:3] - placement.translation, away.as_rotvec()))
+        return J[rows], drift[rows], error[rows]
+
+    def feedback(self, task: Any) -> np.ndarray:
+        J, _, error = self.task(task)
+        rate = self.request[f"{task.name}.reference_velocity"] - J @ self.v
+        name = task.name
+        return np.asarray(self.request[f"{name}.P"] * error + self.request[f"{name}.D"] * rate)
+
+    def null_space(self) -> np.ndarray:
+        stacked = [self.task(t)[0] for t in self.robot.description.tasks if self.is_active(t.name)]
+        stacked += [J for _, J, _, active in self.contacts() if active]
+        if not stacked:
+            return np.eye(self.model.nv)
+        _, s, Vt = np.linalg.svd(np.vstack(stacked), full_matrices=False)
+        return np.eye(self.model.nv) - Vt.T @ np.diag(s**2 / (s**2 + 1e-8)) @ Vt
+
+    def cost(self) -> tuple[np.ndarray, np.ndarray]:
+        request, nv = self.request, self.model.nv
+        H, g = request["regularization.acceleration"] * np.eye(nv), np.zeros(nv)
+        for task in self.robot.description.tasks:
+            if not self.is_active(task.name):
+                continue
+            J, drift, _ = self.task(task)
+            W = np.zeros((len(J), len(J)))
+            W[np.tril_indices(len(J))] = request[f"{task.name}.W"]
+            W = np.tril(W) + np.tril(W, -1).T
+            desired = (
+                request[f"{task.name}.reference_acceleration"]
+                + request[f"{task.name}.feedforward"]
+                + self.feedback(task)
+            )
+            H = H + J.T @ W @ J
+            g = g + J.T @ W @ (drift - desired)
+        N, W_q = self.null_space(), np.diag(request["posture.W"])
+        qdd_des = np.zeros(nv)
+        qdd_des[6:] = request["posture.P"] * (request["posture.q_ref"] - self.q[7:])
+        qdd_des[6:] -= request["posture.D"] * self.v[6:]
+        H = H + N.T @ W_q @ N
+        g = g - N.T @ W_q @ N @ qdd_des
+        contacts = [contact.name for contact in self.robot.description.contacts]
+        W_lambda = np.concatenate([request[f"{name}.W_lambda"] for name in contacts])
+        wanted = np.concatenate([request[f"{name}.lambda_des"] for name in contacts])
+        whole = np.zeros((nv + len(wanted), nv + len(wanted)))
+        whole[:nv, :nv] = H
+        whole[nv:, nv:] = np.diag(W_lambda)
+        return whole, np.concatenate((g, -W_lambda * wanted))
+
+    def rows(self) -> dict[str, tuple[np.ndarray, float, float]]:
+        robot, request, nv = self.robot, self.request, self.model.nv
+        nx = nv + len(self.J_c)
+        rows: dict[str, tuple[np.ndarray, float, float]] = {}
+
+        def add(name: str, columns: dict[int, float], low: float, high: float) -> None:
+            a = np.zeros(nx)
+            for column, value in columns.items():
+                a[column] = value
+            rows[name] = (a, low, high)
+
+        for i, axis in enumerate(FRAME_AXES):
+            add(f"joint_acceleration.base.{axis}", {i: 1.0}, -1e30, 1e30)
+        for i, joint in enumerate(robot.joint_names):
+            limit = request["limits.acceleration"][i]
+            add(f"joint_acceleration.{joint}", {6 + i: 1.0}, -limit, limit)
+        dynamics = np.hstack((self.M, -self.J_c.T))
+        for i, axis in enumerate(FRAME_AXES):
+            rows[f"unactuated_dynamics.{axis}"] = (dynamics[i], -self.h[i], -self.h[i])
+        for c, (contact, J, drift, active) in enumerate(self.contacts()):
+            for i, axis in enumerate(FRAME_AXES):
+                columns = dict(enumerate(J[i])) if active else {nv + 6 * c + i: 1.0}
+                value = -drift[i] if active else 0.0
+                add(f"{contact.name}.acceleration.{axis}", columns, value, value)
+        for c, (contact, _, _, active) in enumerate(self.contacts()):
+            name, (fx, fy, fz, mx, my, mz) = contact.name, range(nv + 6 * c, nv + 6 * c + 6)
+            x_low, x_high, y_low, y_high = request[f"{name}.extents"]
+            side = request[f"{name}.friction"][0] / np.sqrt(2)
+            gamma = request[f"{name}.torsional_friction"][0]
+            for row, columns in {
+                "center_of_pressure.-x": {my: -1.0, fz: -x_low},
+                "center_of_pressure.+x": {my: 1.0, fz: x_high},
+                "center_of_pressure.-y": {mx: 1.0, fz: -y_low},
+                "center_of_pressure.+y": {mx: -1.0, fz: y_high},
+                "friction.-x": {fx: 1.0, fz: side},
+                "friction.+x": {fx: -1.0, fz: side},
+                "friction.-y": {fy: 1.0, fz: side},
+                "friction.+y": {fy: -1.0, fz: side},
+                "normal_torque.-z": {mz: 1.0, fz: gamma},
+                "normal_torque.+z": {mz: -1.0, fz: gamma},
+            }.items():
+                add(f"{name}.{row}", columns, 0.0, 1e30)
+            least = request[f"{name}.minimum_force"][0] if active else 0.0
+            add(f"{name}.unilateral_force", {fz: 1.0}, least, 1e30)
+        for i, joint in enumerate(robot.joint_names):
+            limit, h = request["limits.torque"][i], self.h[6 + i]
+            rows[f"joint_torque.{joint}"] = (dynamics[6 + i], -limit - h, limit - h)
+        # the CoP rows as written have -m_y on the "-x" side
+        for contact in robot.description.contacts:
+            for sign in ("-x", "+x"):
+                a, low, high = rows[f"{contact.name}.center_of_pressure.{sign}"]
+                assert a[nv:].any() and (low, high) == (0.0, 1e30)
+        return rows
+
+
+def close(found: np.ndarray, expected: np.ndarray) -> None:
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * scale)
+
+
+def test_data_against_an_independent_assembly(
+    robot: Robot, problem: InverseDynamics, nominal: list[Solved], one_foot: list[Solved]
+) -> None:
+    nv = robot.nv
+    for solved in (*nominal[:60], *one_foot[:30]):
+        numeric, qp = Numeric(robot, solved.request), solved.qp
+        H, g = numeric.cost()
+        close(qp.H[:nv, :nv], H[:nv, :nv])
+        close(qp.H[nv:, nv:], H[nv:, nv:])
+        assert not qp.H[:nv, nv:].any()
+        close(qp.g[:nv], g[:nv])
+        close(qp.g[nv:], g[nv:])
+        rows = numeric.rows()
+        assert tuple(rows) == problem.format.row_names
+        A = np.vstack((np.eye(nv, problem.nx), qp.A))
+        for i, (a, low, high) in enumerate(rows.values()):
+            close(A[i], a)
+            assert qp.lower[i] == pytest.approx(low, rel=1e-8, abs=1e-8)
+            assert qp.upper[i] == pytest.approx(high, rel=1e-8, abs=1e-8)
+
+
+def test_stressed_data_against_an_independent_assembly(
+    robot: Robot, problem: InverseDynamics, stressed: list[Solved]
+) -> None:
+    test_data_against_an_independent_assembly(robot, problem, stressed[:40], [])
+
+
+def test_error_and_feedback_are_reported(robot: Robot, nominal: list[Solved]) -> None:
+    for solved in nominal[:40]:
+        numeric = Numeric(robot, solved.request)
+        tasks = robot.description.tasks
+        errors = np.concatenate([numeric.task(task)[2] for task in tasks])
+        feedback = np.concatenate([numeric.feedback(task) for task in tasks])
+        np.testing.assert_allclose(solved.tick.error, errors, atol=1e-10)
+        np.testing.assert_allclose(solved.tick.feedback, feedback, atol=1e-8)
+
+
+def test_equation_of_motion_holds_in_every_row(robot: Robot, solutions: list[Solved]) -> None:
+    for solved in solutions:
+        numeric = Numeric(robot, solved.request)
+        wrenches = solved.x[robot.nv :]
+        left = numeric.M @ solved.tick.qdd + numeric.h
+        right = numeric.J_c.T @ wrenches
+        right[6:] += solved.tick.tau
+        np.testing.assert_allclose(left, right, rtol=0, atol=1e-8 * (1 + np.abs(left).max()))
+
+
+def test_contacts_do_not_accelerate(robot: Robot, solutions: list[Solved]) -> None:
+    for solved in solutions:
+        for _, J, drift, active in Numeric(robot, solved.request).contacts():
+            if active:
+                acceleration = J @ solved.tick.qdd + drift
+                assert np.abs(acceleration).max() < 1e-8 * (1 + np.abs(solved.tick.qdd).max())
+
+
+def test_a_switched_off_foot_carries_nothing(
+    controller: Controller, robot: Robot, one_foot: list[Solved]
+) -> None:
+    weight = robot.weight
+    for index, solved in enumerate(one_foot):
+        off, on = (controller.format.contacts[(index + side) % 2] for side in (0, 1))
+        assert np.abs(solved.tick.wrenches[off]).max() < 1e-9
+        assert solved.tick.wrenches[on][2] > 0.3 * weight
+
+
+def test_both_feet_off_is_free_fall(controller: Controller, robot: Robot) -> None:
+    request = Request(controller.problem)
+    for name in request.names("_foot.active"):
+        request[name] = 0.0
+    tick = solve(controller, request).tick
+    assert tick.status == Status.OK
+    assert not np.concatenate(list(tick.wrenches.values())).any()
+    data = robot.model.createData()
+    qdd = pinocchio.aba(
+        robot.model, data, robot.home.q, robot.home.v, np.concatenate((np.zeros(6), tick.tau))
+    )
+    np.testing.assert_allclose(tick.qdd, qdd, atol=1e-8)
+
+
+def test_a_switched_off_task_does_not_matter(controller: Controller) -> None:
+    rng = np.random.default_rng(5)
+    for task in controller.problem.tasks:
+        request = random_request(controller.problem, rng)
+        request[f"{task.name}.active"] = 0.0
+        before = solve(controller, request)
+        request[f"{task.name}.reference"][:3] += 0.3
+        request[f"{task.name}.feedforward"] += 5.0
+        request[f"{task.name}.P"] *= 7.0
+        request[f"{task.name}.W"] *= 3.0
+        after = solve(controller, request)
+        assert before.tick.status == after.tick.status == Status.OK
+        np.testing.assert_allclose(after.tick.tau, before.tick.tau, atol=1e-9)
+        assert np.abs(after.tick.error - before.tick.error).max() > 0.1
+
+
+def test_switching_a_task_on_tracks_it(controller: Controller) -> None:
+    rng = np.random.default_rng(6)
+    request = random_request(controller.problem, rng)
+    task = controller.problem.tasks[0].name
+    request[f"{task}.reference_acceleration"] += 1.0
+    with_task = solve(controller, request).tick
+    request[f"{task}.active"] = 0.0
+    without = solve(controller, request).tick
+    J = Numeric(controller.problem.robot, request).J_com
+    assert (np.abs(J @ (with_task.qdd - without.qdd)) > 0.3).any()
+
+
+@pytest.mark.parametrize("rows", [5, 21])
+def test_null_space_projector_against_numpy(rows: int) -> None:
+    J = np.random.default_rng(0).normal(size=(rows, 23))
+    J[1] = 0.0  # switched off
+    J[3] = J[2]  # dependent
+    symbol = ca.MX.sym("J", rows, 23)
+    found = np.array(ca.Function("P", [symbol], [null_space_projector(symbol)])(J))
+    _, s, Vt = np.linalg.svd(J, full_matrices=False)
+    expected = np.eye(23) - Vt.T @ np.diag(s**2 / (s**2 + DAMPING)) @ Vt
+    np.testing.assert_allclose(found, expected, atol=1e-6)
+    np.testing.assert_allclose(found, found.T, atol=1e-12)
+    independent = np.delete(J, (1, 3), axis=0)
+    assert np.abs(found @ independent.T).max() < 1e-6
+
+
+def test_posture_cost_against_dense_numpy(robot: Robot, controller: Controller) -> None:
+    rng = np.random.default_rng(7)
+    for _ in range(20):
+        request = random_request(controller.problem, rng)
+        with_posture = controller.problem.evaluate(request.vector)
+        W_q = np.diag(request["posture.W"])
+        request["posture.W"] = 0.0
+        without = controller.problem.evaluate(request.vector)
+        numeric = Numeric(robot, request)
+        N = numeric.null_space()
+        qdd_des = np.zeros(robot.nv)
+        qdd_des[6:] = request["posture.P"] * (request["posture.q_ref"] - request["q"][7:])
+        qdd_des[6:] -= request["posture.D"] * request["v"][6:]
+        nv = robot.nv
+        close((with_posture.H - without.H)[:nv, :nv], N.T @ W_q @ N)
+        close((with_posture.g - without.g)[:nv], -N.T @ W_q @ N @ qdd_des)
+
+
+def test_posture_does_not_disturb_the_tasks(controller: Controller) -> None:
+    rng = np.random.default_rng(8)
+    for _ in range(20):
+        request = random_request(controller.problem, rng)
+        numeric = Numeric(controller.problem.robot, request)
+        N = numeric.null_space()
+        for task in controller.problem.robot.description.tasks:
+            assert np.abs(numeric.task(task)[0] @ N).max() < 1e-4
+        assert np.abs(numeric.J_c @ N).max() < 1e-4
+
+
+def test_standing_still_at_home_carries_the_weight(controller: Controller, robot: Robot) -> None:
+    tick = controller.tick(robot.home, controller.command())
+    assert (tick.status, tick.active) == (Status.OK, [])
+    assert sum(w[2] for w in tick.wrenches.values()) == pytest.approx(robot.weight, rel=1e-6)
+    assert np.abs(tick.qdd).max() < 1e-3
+
+
+def test_moving_the_whole_problem_changes_nothing(controller: Controller) -> None:
+    rng = np.random.default_rng(9)
+    request = random_request(controller.problem, rng)
+    before = solve(controller, request).tick
+    shift = np.array([3.0, -2.0, 1.0])
+    request["q"][:3] += shift
+    for name in request.names(".reference"):
+        request[name][:3] += shift
+    after = solve(controller, request).tick
+    np.testing.assert_allclose(after.tau, before.tau, atol=1e-7)
+
+
+def test_names_of_rows_are_unique_and_counted(problem: InverseDynamics) -> None:
+    names = problem.format.row_names
+    assert len(set(names)) == len(names)
+    equalities = names[problem.nv : problem.nv + problem.n_equalities]
+    assert all("dynamics" in name or ".acceleration." in name for name in equalities)
+    assert problem.task_names == [t.name for t in problem.robot.description.tasks]

@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+import pytest
+import zenoh
+
+from tsd_casadi import keys
+
+ROBOT = "hermes_lower"
+ALL = {
+    "tsd/hermes_lower/controller/tick": keys.tick_key(ROBOT),
+    "tsd/hermes_lower/controller/info": keys.info_key(ROBOT),
+    "tsd/hermes_lower/learner/feedforward": keys.feedforward_key(ROBOT),
+    "tsd/hermes_lower/learner/record": keys.record_key(ROBOT),
+    "tsd/hermes_lower/learner/database": keys.database_key(ROBOT),
+    "tsd/hermes_lower/controller/alive": keys.alive_key(ROBOT, "controller"),
+    "tsd/hermes_lower/learner/alive": keys.alive_key(ROBOT, "learner"),
+}
+
+
+@pytest.mark.parametrize("documented", ALL)
+def test_keys_are_the_documented_ones(documented: str) -> None:
+    assert ALL[documented] == documented
+
+
+@pytest.mark.parametrize("key", ALL)
+def test_keys_are_valid_zenoh_keys_in_canonical_form(key: str) -> None:
+    assert str(zenoh.KeyExpr(key)) == key
+
+
+@pytest.mark.parametrize("key", ALL)
+def test_the_robot_is_its_own_chunk(key: str) -> None:
+    assert keys.robot_of(key) == ROBOT
+    chunks = key.split("/")
+    assert len(chunks) == 4
+    assert chunks[1] == ROBOT
+
+
+@pytest.mark.parametrize(
+    "make", [keys.feedforward_key, keys.record_key, keys.database_key, keys.tick_key]
+)
+def test_any_robot_matches_every_robot(make: object) -> None:
+    assert callable(make)
+    every = zenoh.KeyExpr(make(keys.ANY_ROBOT))
+    assert every.intersects(zenoh.KeyExpr(make(ROBOT)))
+    assert every.includes(zenoh.KeyExpr(make("another")))
+
+
+def test_no_two_keys_meet() -> None:
+    for one in ALL:
+        for other in ALL:
+            meets = zenoh.KeyExpr(one).intersects(zenoh.KeyExpr(other))
+            assert meets == (one == other)

@@ -1,0 +1,522 @@
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tsd_casadi import Controller
+from tsd_casadi.entry import Entry
+from tsd_casadi.exceptions import EntryNotFound, InvalidValue, MalformedMessage
+from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.laps import Lap
+from tsd_casadi.messages import (
+    BasisMessage,
+    ContextMessage,
+    DatabaseReply,
+    EntryMessage,
+    ErrorMessage,
+    FeedforwardMessage,
+    FieldMessage,
+    InfoMessage,
+    LapMessage,
+    Message,
+    QuantityMessage,
+    RecordMessage,
+    RecordReply,
+    json_schema,
+)
+from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.recording import Context, Recording, TaskKey
+
+KEY = TaskKey.of("hermes_lower", "squat", ("com.z",), {"amplitude": 0.03, "frequency": 0.25})
+CONTEXT = Context("00ff", "abcd", {"P": [50.0], "D": [14.0]}, "0.1.0")
+PHASE = np.pi + np.linspace(0, 2 * np.pi, 20, endpoint=False)
+# JSON: anything that json.loads gives back
+PLAIN = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3)
+    | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=5,
+)
+
+
+def a_feedforward(seed: int = 0, L: int = 25) -> Feedforward:
+    rng = np.random.default_rng(seed)
+    return Feedforward(
+        ("com.x", "com.z"),
+        PeriodicBasis.of_size(L),
+        rng.normal(size=(2, L)),
+        rng.uniform(size=(2, L)),
+        "generalised",
+        {"amplitude": 0.05, "frequency": 0.25},
+        {"entries": [1, 2], "iteration": 3, "errors": [None, {"rms_error_m": 1e-3}]},
+    )
+
+
+def a_recording(seed: int = 0) -> Recording:
+    rng = np.random.default_rng(seed)
+    basis = PeriodicBasis.of_size(5)
+    return Recording(
+        key=KEY,
+        basis=basis,
+        applied=rng.normal(size=(1, 5)),
+        laps=[Lap(PHASE + rng.normal(), rng.normal(size=(1, 20))) for _ in range(2)],
+        errors={"rms_error_m": 1e-3, "ac_rms_error_m": 1e-4},
+        context=CONTEXT,
+        rule="plain",
+        update=False,
+        restart=True,
+    )
+
+
+def an_entry() -> Entry:
+    entry = Entry(KEY, PeriodicBasis.of_size(5), CONTEXT, identifier=4, updated="2026-01-01")
+    entry.add(replace(a_recording(), rule="guarded", update=True))
+    return entry
+
+
+def an_info(controller: Controller) -> InfoMessage:
+    return InfoMessage.of(
+        controller.format,
+        version="0.1.0",
+        instance=2**63 + 5,
+        protocol=1,
+        model="abcd",
+        ticks_served=7,
+        ticks_refused=1,
+    )
+
+
+FEEDFORWARD = FeedforwardMessage.of("hermes_lower", "squat", a_feedforward())
+RECORD = RecordMessage.of(a_recording())
+ENTRY = EntryMessage.of(an_entry())
+SAMPLES: list[Message] = [
+    ErrorMessage.of(EntryNotFound("nothing ä \"quoted\"")),
+    QuantityMessage(value=0.05, unit="m"),
+    BasisMessage.of(PeriodicBasis()),
+    FEEDFORWARD,
+    RECORD,
+    RECORD.laps[0],
+    RECORD.context,
+    ENTRY,
+    RecordReply(entry=ENTRY, notes=["worse"]),
+    DatabaseReply(database="/tmp/d.sqlite", entries=[ENTRY]),
+    DatabaseReply(database="/tmp/d.sqlite", entries=[ENTRY], forgotten=ENTRY),
+]
+CLASSES = [
+    ErrorMessage,
+    FieldMessage,
+    InfoMessage,
+    QuantityMessage,
+    BasisMessage,
+    FeedforwardMessage,
+    LapMessage,
+    ContextMessage,
+    RecordMessage,
+    EntryMessage,
+    RecordReply,
+    DatabaseReply,
+]
+
+
+def changed(message: Message, path: str, value: Any) -> bytes:
+    """The message's JSON with one value replaced; the path is dotted."""
+    document = json.loads(message.encode())
+    *parents, last = path.split(".")
+    place = document
+    for step in parents:
+        place = place[int(step)] if isinstance(place, list) else place[step]
+    place[int(last) if isinstance(place, list) else last] = value
+    return json.dumps(document).encode()
+
+
+# round trips
+
+
+def test_every_message_class_is_tested_here() -> None:
+    assert set(Message.__subclasses__()) == set(CLASSES)
+
+
+@pytest.mark.parametrize("message", SAMPLES, ids=lambda message: type(message).__name__)
+def test_every_message_comes_back_as_it_was(message: Message) -> None:
+    payload = message.encode()
+    assert type(message).decode(payload) == message
+    assert type(message).decode(payload).encode() == payload
+    json.loads(payload.decode("utf-8"))
+
+
+def test_info_comes_back_with_the_same_layouts(controller: Controller) -> None:
+    info = InfoMessage.decode(an_info(controller).encode())
+    assert info == an_info(controller)
+    found = info.tick_format()
+    assert found == controller.format
+    assert f"{found.layout_hash:016x}" == info.layout_hash
+    np.testing.assert_array_equal(found.request.defaults(), controller.format.request.defaults())
+    np.testing.assert_array_equal(found.request.lower(), controller.format.request.lower())
+    assert info.instance == 2**63 + 5
+
+
+def test_info_says_where_each_field_lies(controller: Controller) -> None:
+    document = json.loads(an_info(controller).encode())
+    assert document["schema"] == "tsd.info/1"
+    for which in ("request", "reply"):
+        end = 0
+        for field in document[which]:
+            assert field["offset"] == end
+            end += field["size"]
+            assert field["unit"]
+        assert end == getattr(controller.format, which).size
+    assert document["statuses"]["0"] == "solved"
+    assert set(document["statuses"]) == {"0", "1", "2", "3", "4"}
+
+
+@settings(max_examples=30)
+@given(seed=st.integers(0, 1000), size=st.integers(1, 30))
+def test_feedforward_is_exact_over_json(seed: int, size: int) -> None:
+    feedforward = a_feedforward(seed, size)
+    payload = FeedforwardMessage.of("r", "squat", feedforward).encode()
+    found = FeedforwardMessage.decode(payload).feedforward()
+    np.testing.assert_array_equal(found.weights, feedforward.weights)
+    np.testing.assert_array_equal(found.standard_deviations, feedforward.standard_deviations)
+    assert replace(found, weights=0, standard_deviations=0) == replace(  # type: ignore[arg-type]
+        feedforward, weights=0, standard_deviations=0  # type: ignore[arg-type]
+    )
+
+
+@settings(max_examples=30)
+@given(seed=st.integers(0, 1000))
+def test_a_recording_is_exact_over_json(seed: int) -> None:
+    recording = a_recording(seed)
+    found = RecordMessage.decode(RecordMessage.of(recording).encode()).recording("hermes_lower")
+    np.testing.assert_array_equal(found.applied, recording.applied)
+    for one, other in zip(found.laps, recording.laps, strict=True):
+        np.testing.assert_array_equal(one.phase, other.phase)
+        np.testing.assert_array_equal(one.feedback, other.feedback)
+    assert found.key == KEY
+    for name in ("basis", "errors", "context", "rule", "update", "restart"):
+        assert getattr(found, name) == getattr(recording, name)
+
+
+def test_rule_update_and_restart_have_careful_defaults() -> None:
+    document = json.loads(RECORD.encode())
+    for name in ("rule", "update", "restart"):
+        del document[name]
+    found = RecordMessage.decode(json.dumps(document).encode())
+    assert (found.rule, found.update, found.restart) == ("guarded", True, False)
+
+
+def test_entry_message_says_what_is_served_and_tested() -> None:
+    assert ENTRY.entry == 4
+    assert ENTRY.parameters["amplitude"] == QuantityMessage(value=0.03, unit="m")
+    assert [number for number, _ in ENTRY.iterations] == [0, 1, 2]
+    assert ENTRY.served == 2
+    assert ENTRY.iterations[2][1] is None
+
+
+def test_error_message_carries_the_code() -> None:
+    message = ErrorMessage.of(InvalidValue("amplitude", 5, "less"))
+    assert json.loads(message.encode()) == {
+        "code": "invalid_value",
+        "message": "amplitude is 5, expected less",
+    }
+
+
+# what a client without this software has to work with
+
+
+@settings(max_examples=30)
+@given(seed=st.integers(0, 1000), phase=st.floats(-50, 50))
+def test_samples_rebuilt_from_the_json_alone_are_the_feedforward(seed: int, phase: float) -> None:
+    feedforward = a_feedforward(seed)
+    document = json.loads(FeedforwardMessage.of("r", "squat", feedforward).encode())
+    phases = phase + np.linspace(0, 2 * np.pi, 13)
+    centres = np.array(document["basis"]["centres"])
+    bumps = np.exp(document["basis"]["width"] * (np.cos(phases[:, None] - centres) - 1))
+    psi = bumps / bumps.sum(axis=1, keepdims=True)
+    samples = np.array(document["weights"]) @ psi.T
+    np.testing.assert_allclose(samples, feedforward.mean(phases), rtol=0, atol=1e-12)
+    deviations = np.sqrt(np.array(document["standard_deviations"]) ** 2 @ (psi**2).T)
+    np.testing.assert_allclose(deviations, feedforward.std(phases), rtol=0, atol=1e-12)
+
+
+def test_feedforward_json_has_schema_units_and_names() -> None:
+    document = json.loads(FEEDFORWARD.encode())
+    assert document["schema"] == "tsd.feedforward/1"
+    assert document["unit"] == "m/s^2"
+    assert document["parameters"]["frequency"] == {"value": 0.25, "unit": "Hz"}
+    assert document["axes"] == ["com.x", "com.z"]
+    assert document["basis"]["type"] == "periodic_rbf"
+    assert document["basis"]["L"] == len(document["basis"]["centres"]) == 25
+
+
+def test_json_schema_covers_every_field_of_the_feedforward() -> None:
+    schema = json.loads(json_schema())
+    document = json.loads(FEEDFORWARD.encode())
+    assert schema["type"] == "object"
+    assert schema["additionalProperties"] is False
+    assert set(schema["properties"]) == set(document)
+    assert schema["properties"]["schema"]["const"] == "tsd.feedforward/1"
+    assert set(schema["required"]) >= set(document) - {"schema", "unit"}
+
+
+# what is refused
+
+MALFORMED: dict[str, tuple[Message, str, Any]] = {
+    f"{type(message).__name__} {path} = {value!r}": (message, path, value)
+    for message, path, values in [
+        (FEEDFORWARD, "schema", ["tsd.feedforward/2", "", None, 1]),
+        (FEEDFORWARD, "unit", ["m", "", None]),
+        (FEEDFORWARD, "kind", ["learnt", "", None, 3]),
+        (FEEDFORWARD, "axes", ["com.z", None, [1], {}]),
+        (FEEDFORWARD, "robot", [None, 1, []]),
+        (FEEDFORWARD, "weights", [None, 1, [1.0], [["x"]], [[None]], [[[1.0]]], {}]),
+        (FEEDFORWARD, "weights.0.3", [math.nan, math.inf, -math.inf, 1e10, None, "x", [1.0]]),
+        (FEEDFORWARD, "standard_deviations.1.0", [math.nan, math.inf, None, "x"]),
+        (FEEDFORWARD, "basis", [None, {}, []]),
+        (FEEDFORWARD, "basis.type", ["fourier", None]),
+        (FEEDFORWARD, "basis.L", [0, -1, 1001, 2.5, None, "x"]),
+        (FEEDFORWARD, "basis.width", [0, -1, 1e6, math.nan, math.inf, None]),
+        (FEEDFORWARD, "basis.centres", [None, 1.0, ["x"]]),
+        (FEEDFORWARD, "basis.centres.2", [math.nan, None]),
+        (FEEDFORWARD, "parameters.amplitude", [0.05, None, {"value": 0.05}, {"unit": "m"}]),
+        (FEEDFORWARD, "parameters.amplitude.value", [math.nan, math.inf, None, "x"]),
+        (FEEDFORWARD, "provenance", [None, [], "x"]),
+        (FEEDFORWARD, "more", [1]),
+        (RECORD, "task", ["", "1squat", "a b", "a/b", "a*", "x" * 101, None]),
+        (RECORD, "axes", [[], [""], ["com/z"], ["a"] * 51, None, "com.z"]),
+        (RECORD, "parameters", [None, [], {"a b": 1.0}, {"amplitude": math.nan}]),
+        (RECORD, "parameters.amplitude", [math.nan, math.inf, None, "x", 1e10]),
+        (RECORD, "applied.0.0", [math.nan, math.inf, None, "x", 1e10]),
+        (RECORD, "laps", [[], None, {}]),
+        (RECORD, "laps.0", [None, {}, []]),
+        (RECORD, "laps.1.phase", [[0.0] * 9, [], None]),
+        (RECORD, "laps.1.phase.4", [math.nan, math.inf, None]),
+        (RECORD, "laps.0.feedback.0.7", [math.nan, -math.inf, None, 1e10]),
+        (RECORD, "errors", [None, [], {"rms_error_m": math.nan}]),
+        (RECORD, "errors.rms_error_m", [math.nan, math.inf, None, "x"]),
+        (RECORD, "context", [None, {}, {"formulation": "x"}]),
+        (RECORD, "context.formulation", [None, 1, "x" * 101]),
+        (RECORD, "context.model", [None, 1, "x" * 101]),
+        (RECORD, "context.version", [None, 1, "x" * 101]),
+        (RECORD, "context.gains", [None, [], {"P": 1.0}, {"P": [math.nan]}]),
+        (RECORD, "rule", ["reckless", None, ""]),
+        (RECORD, "update", ["perhaps", None, 3]),
+        (RECORD, "restart", ["perhaps", None, 3]),
+        (RECORD, "more", [1]),
+        (ENTRY, "iterations.0", [None, [1], [1, {}, 2], ["x", None]]),
+        (ENTRY, "rule", ["reckless"]),
+    ]
+    for value in values
+}
+
+
+@pytest.mark.parametrize("case", MALFORMED)
+def test_a_malformed_field_is_refused_by_name(case: str) -> None:
+    message, path, value = MALFORMED[case]
+    kind = type(message)
+    with pytest.raises(MalformedMessage) as caught:
+        kind.decode(changed(message, path, value))
+    text = str(caught.value)
+    assert text.startswith(f"{kind.__name__}: ")
+    assert path.split(".")[0] in text
+
+
+@pytest.mark.parametrize("message", SAMPLES, ids=lambda message: type(message).__name__)
+def test_a_missing_field_is_refused_by_name(message: Message) -> None:
+    kind = type(message)
+    document = json.loads(message.encode())
+    for name, field in kind.model_fields.items():
+        if not field.is_required():
+            continue
+        key = field.alias or name
+        payload = json.dumps({k: v for k, v in document.items() if k != key}).encode()
+        with pytest.raises(MalformedMessage, match=key):
+            kind.decode(payload)
+
+
+@pytest.mark.parametrize("message", SAMPLES, ids=lambda message: type(message).__name__)
+def test_an_unknown_field_is_refused(message: Message) -> None:
+    with pytest.raises(MalformedMessage, match="surprise"):
+        type(message).decode(changed(message, "surprise", 1))
+
+
+SHAPES: dict[str, tuple[Message, str, Any]] = {
+    "a row of weights too many": (FEEDFORWARD, "weights", [[0.0] * 25] * 3),
+    "a row of weights too few": (FEEDFORWARD, "weights", [[0.0] * 25]),
+    "no weights": (FEEDFORWARD, "weights", []),
+    "a weight too few": (FEEDFORWARD, "weights.1", [0.0] * 24),
+    "a weight too many": (FEEDFORWARD, "weights.0", [0.0] * 26),
+    "a deviation too few": (FEEDFORWARD, "standard_deviations.1", [0.0] * 24),
+    "another number of centres": (FEEDFORWARD, "basis.centres", [0.0]),
+    "centres elsewhere": (FEEDFORWARD, "basis.centres.3", 1.0),
+    "another L": (FEEDFORWARD, "basis.L", 24),
+    "a lap's feedback too short": (RECORD, "laps.0.feedback.0", [0.0] * 19),
+    "a lap's feedback too wide": (RECORD, "laps.0.feedback", [[0.0] * 20] * 2),
+    "applied too short": (RECORD, "applied.0", [0.0] * 4),
+    "applied too wide": (RECORD, "applied", [[0.0] * 5] * 2),
+    "an axis too many": (RECORD, "axes", ["com.x", "com.z"]),
+    "no RMS error": (RECORD, "errors", {"ac_rms_error_m": 1.0}),
+    "a negative RMS error": (RECORD, "errors.rms_error_m", -1e-3),
+}
+
+
+@pytest.mark.parametrize("case", SHAPES)
+def test_shapes_that_do_not_fit_are_refused(case: str) -> None:
+    message, path, value = SHAPES[case]
+    with pytest.raises(MalformedMessage):
+        decoded = type(message).decode(changed(message, path, value))
+        _unpack(decoded)
+
+
+def _unpack(message: Message) -> None:
+    if isinstance(message, FeedforwardMessage):
+        message.feedforward().mean([0.0, 1.0])
+    if isinstance(message, RecordMessage):
+        message.recording("hermes_lower")
+
+
+@pytest.mark.parametrize("kind", CLASSES)
+@settings(max_examples=40)
+@given(payload=st.binary(max_size=60))
+def test_arbitrary_bytes_are_refused_as_malformed(kind: type[Message], payload: bytes) -> None:
+    with pytest.raises(MalformedMessage):
+        kind.decode(payload)
+
+
+@pytest.mark.parametrize("kind", CLASSES)
+@settings(max_examples=40)
+@given(document=PLAIN)
+def test_arbitrary_json_is_refused_as_malformed(kind: type[Message], document: Any) -> None:
+    with pytest.raises(MalformedMessage):
+        kind.decode(json.dumps(document).encode())
+
+
+WHERE: list[tuple[Message, str]] = [
+    *(
+        (FEEDFORWARD, path)
+        for path in (
+            "robot axes axes.0 parameters basis basis.L basis.centres basis.width weights "
+            "weights.0 standard_deviations provenance provenance.x kind task"
+        ).split()
+    ),
+    *(
+        (RECORD, path)
+        for path in (
+            "task axes parameters parameters.x basis applied applied.0 laps laps.0 laps.0.phase "
+            "laps.0.feedback errors errors.x context context.gains rule update"
+        ).split()
+    ),
+]
+
+
+@settings(max_examples=300)
+@given(
+    where=st.sampled_from(WHERE),
+    value=PLAIN | st.lists(st.lists(st.floats(), max_size=26), max_size=3),
+)
+def test_an_arbitrary_value_anywhere_raises_nothing_else(
+    where: tuple[Message, str], value: Any
+) -> None:
+    message, path = where
+    try:
+        _unpack(type(message).decode(changed(message, path, value)))
+    except MalformedMessage as error:
+        assert str(error)
+
+
+@settings(max_examples=150)
+@given(where=st.integers(0, 3000), byte=st.integers(0, 255), cut=st.integers(0, 4000))
+def test_damaged_json_raises_nothing_else(where: int, byte: int, cut: int) -> None:
+    payload = bytearray(RECORD.encode())
+    payload[where % len(payload)] = byte
+    try:
+        _unpack(RecordMessage.decode(bytes(payload[: cut or None])))
+    except MalformedMessage as error:
+        assert str(error)
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [
+        b"",
+        b"null",
+        b"[]",
+        b"\xff\xfe",
+        b"[" * 100_000,
+        b'{"a":' * 10_000,
+        b"9" * 10_000,
+        b'{"provenance": ' + b"9" * 10_000 + b"}",
+        b'{"task": "\\ud800"}',
+        '{"task": "squat"}'.encode("utf-16"),
+        b'\xef\xbb\xbf{"task": "squat"}',
+        b'{"task": NaN}',
+        b'{"task": "squat"',
+    ],
+)
+@pytest.mark.parametrize("kind", CLASSES)
+def test_hostile_payloads_are_refused_as_malformed(kind: type[Message], payload: bytes) -> None:
+    with pytest.raises(MalformedMessage):
+        kind.decode(payload)
+
+
+# defects found while these tests were written
+
+
+@pytest.mark.xfail(strict=True, reason="np.allclose has a relative tolerance of 1e-5 beside atol")
+def test_centres_that_are_off_by_more_than_1e_9_are_refused() -> None:
+    message = FeedforwardMessage.decode(
+        changed(FEEDFORWARD, "basis.centres.24", 2 * math.pi * 24 / 25 + 5e-5)
+    )
+    with pytest.raises(MalformedMessage):
+        message.feedforward()
+
+
+@pytest.mark.xfail(strict=True, reason="no axes give weights of shape (0,)")
+def test_a_feedforward_of_no_axes_is_refused() -> None:
+    document = json.loads(FEEDFORWARD.encode())
+    document.update(axes=[], weights=[], standard_deviations=[])
+    with pytest.raises(MalformedMessage):
+        _unpack(FeedforwardMessage.decode(json.dumps(document).encode()))
+
+
+@pytest.mark.xfail(strict=True, reason="numbers outside Finite fields are not checked")
+@pytest.mark.parametrize(
+    ("message", "path"),
+    [
+        (FEEDFORWARD, "provenance.x"),
+        (ENTRY, "learning_gain"),
+        (ENTRY, "iterations.0"),
+    ],
+)
+def test_nan_is_refused_everywhere(message: Message, path: str) -> None:
+    value: Any = [0, {"rms_error_m": math.nan}] if path == "iterations.0" else math.nan
+    with pytest.raises(MalformedMessage):
+        type(message).decode(changed(message, path, value))
+
+
+@pytest.mark.xfail(strict=True, reason="units in a message are not looked at")
+def test_a_parameter_in_another_unit_is_refused() -> None:
+    message = FeedforwardMessage.decode(changed(FEEDFORWARD, "parameters.amplitude.unit", "cm"))
+    with pytest.raises(MalformedMessage):
+        message.feedforward()
+
+
+@pytest.mark.xfail(strict=True, reason="any sign is taken")
+def test_negative_standard_deviations_are_refused() -> None:
+    with pytest.raises(MalformedMessage):
+        _unpack(FeedforwardMessage.decode(changed(FEEDFORWARD, "standard_deviations.0.0", -1.0)))
+
+
+@pytest.mark.xfail(strict=True, reason="sizes and offsets of a layout are not compared")
+@pytest.mark.parametrize(("name", "value"), [("size", 3), ("offset", 99), ("size", -1)])
+def test_an_info_whose_layout_contradicts_itself_is_refused(
+    controller: Controller, name: str, value: int
+) -> None:
+    with pytest.raises(MalformedMessage):
+        InfoMessage.decode(changed(an_info(controller), f"request.1.{name}", value)).tick_format()
