@@ -1,11 +1,19 @@
 from __future__ import annotations
 
 import json
+import os
 
 import pytest
 import zenoh
 
-from tsd_casadi.endpoints import CONTROLLER, LEARNER, check_endpoint, session_settings
+from tsd_casadi.endpoints import (
+    CONTROLLER,
+    LEARNER,
+    RUNTIME,
+    check_endpoint,
+    configure_runtime,
+    session_settings,
+)
 from tsd_casadi.exceptions import InvalidValue
 
 
@@ -37,6 +45,7 @@ def test_endpoints_are_accepted_unchanged(endpoint: str) -> None:
         "",
         "7447",
         "127.0.0.1:7447",
+        "tcp://127.0.0.1:7447",  # a URL, the likeliest mistake
         "tcp/127.0.0.1",
         "tcp/127.0.0.1:",
         "tcp/127.0.0.1:0",
@@ -90,6 +99,17 @@ def test_zenoh_takes_every_setting(low_latency: bool) -> None:
         assert json.loads(config.get_json(key)) is not None
 
 
+@pytest.mark.parametrize("chosen", [None, "(rx:(worker_threads:3))"])
+def test_the_users_choice_of_threads_is_kept(
+    monkeypatch: pytest.MonkeyPatch, chosen: str | None
+) -> None:
+    monkeypatch.delenv("ZENOH_RUNTIME", raising=False)
+    if chosen is not None:
+        monkeypatch.setenv("ZENOH_RUNTIME", chosen)
+    configure_runtime()
+    assert os.environ["ZENOH_RUNTIME"] == (chosen or RUNTIME)
+
+
 # defects found while these tests were written
 
 
@@ -97,7 +117,6 @@ def test_zenoh_takes_every_setting(low_latency: bool) -> None:
 @pytest.mark.parametrize(
     "endpoint",
     [
-        "tcp://127.0.0.1:7447",  # a URL, the likeliest mistake
         "tcp/127.0.0.1:²",  # a digit to str.isdigit, not to int
         "tcp/127.0.0.1:٧٤٤٧",
         "tcp/:7447",

@@ -142,9 +142,7 @@ def test_error_and_rates_against_numeric_kinematics(robot: Robot, axes: tuple[st
             )
             for sign in (1, -1)
         )
-        np.testing.assert_allclose(
-            drift[:, 0], (ahead - behind) @ state.v / (2 * STEP), atol=1e-5
-        )
+        np.testing.assert_allclose(drift[:, 0], (ahead - behind) @ state.v / (2 * STEP), atol=1e-5)
 
 
 def test_error_shrinks_along_minus_j(robot: Robot) -> None:
@@ -166,9 +164,7 @@ def test_error_shrinks_along_minus_j(robot: Robot) -> None:
             for sign in (1, -1)
         )
         J = np.array(terms(state.q, state.v, reference, np.zeros(6))[0])
-        np.testing.assert_allclose(
-            (ahead - behind)[:, 0] / (2 * STEP), -J @ state.v, atol=1e-6
-        )
+        np.testing.assert_allclose((ahead - behind)[:, 0] / (2 * STEP), -J @ state.v, atol=1e-6)
 
 
 def test_reference_defaults_to_home(robot: Robot) -> None:

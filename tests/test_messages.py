@@ -164,7 +164,7 @@ def test_info_comes_back_with_the_same_layouts(controller: Controller) -> None:
 
 def test_info_says_where_each_field_lies(controller: Controller) -> None:
     document = json.loads(an_info(controller).encode())
-    assert document["schema"] == "tsd.info/1"
+    assert document["format"] == "tsd.info/1"
     for which in ("request", "reply"):
         end = 0
         for field in document[which]:
@@ -245,9 +245,9 @@ def test_samples_rebuilt_from_the_json_alone_are_the_feedforward(seed: int, phas
     np.testing.assert_allclose(deviations, feedforward.std(phases), rtol=0, atol=1e-12)
 
 
-def test_feedforward_json_has_schema_units_and_names() -> None:
+def test_feedforward_json_has_format_units_and_names() -> None:
     document = json.loads(FEEDFORWARD.encode())
-    assert document["schema"] == "tsd.feedforward/1"
+    assert document["format"] == "tsd.feedforward/1"
     assert document["unit"] == "m/s^2"
     assert document["parameters"]["frequency"] == {"value": 0.25, "unit": "Hz"}
     assert document["axes"] == ["com.x", "com.z"]
@@ -261,8 +261,8 @@ def test_json_schema_covers_every_field_of_the_feedforward() -> None:
     assert schema["type"] == "object"
     assert schema["additionalProperties"] is False
     assert set(schema["properties"]) == set(document)
-    assert schema["properties"]["schema"]["const"] == "tsd.feedforward/1"
-    assert set(schema["required"]) >= set(document) - {"schema", "unit"}
+    assert schema["properties"]["format"]["const"] == "tsd.feedforward/1"
+    assert set(schema["required"]) >= set(document) - {"format", "unit"}
 
 
 # what is refused
@@ -270,7 +270,7 @@ def test_json_schema_covers_every_field_of_the_feedforward() -> None:
 MALFORMED: dict[str, tuple[Message, str, Any]] = {
     f"{type(message).__name__} {path} = {value!r}": (message, path, value)
     for message, path, values in [
-        (FEEDFORWARD, "schema", ["tsd.feedforward/2", "", None, 1]),
+        (FEEDFORWARD, "format", ["tsd.feedforward/2", "", None, 1]),
         (FEEDFORWARD, "unit", ["m", "", None]),
         (FEEDFORWARD, "kind", ["learnt", "", None, 3]),
         (FEEDFORWARD, "axes", ["com.z", None, [1], {}]),
@@ -334,9 +334,8 @@ def test_a_missing_field_is_refused_by_name(message: Message) -> None:
     for name, field in kind.model_fields.items():
         if not field.is_required():
             continue
-        key = field.alias or name
-        payload = json.dumps({k: v for k, v in document.items() if k != key}).encode()
-        with pytest.raises(MalformedMessage, match=key):
+        payload = json.dumps({k: v for k, v in document.items() if k != name}).encode()
+        with pytest.raises(MalformedMessage, match=name):
             kind.decode(payload)
 
 
@@ -397,21 +396,13 @@ def test_arbitrary_json_is_refused_as_malformed(kind: type[Message], document: A
         kind.decode(json.dumps(document).encode())
 
 
+IN_FEEDFORWARD = """robot axes axes.0 parameters basis basis.L basis.centres basis.width weights
+    weights.0 standard_deviations provenance provenance.x kind task"""
+IN_RECORD = """task axes parameters parameters.x basis applied applied.0 laps laps.0 laps.0.phase
+    laps.0.feedback errors errors.x context context.gains rule update"""
 WHERE: list[tuple[Message, str]] = [
-    *(
-        (FEEDFORWARD, path)
-        for path in (
-            "robot axes axes.0 parameters basis basis.L basis.centres basis.width weights "
-            "weights.0 standard_deviations provenance provenance.x kind task"
-        ).split()
-    ),
-    *(
-        (RECORD, path)
-        for path in (
-            "task axes parameters parameters.x basis applied applied.0 laps laps.0 laps.0.phase "
-            "laps.0.feedback errors errors.x context context.gains rule update"
-        ).split()
-    ),
+    *((FEEDFORWARD, path) for path in IN_FEEDFORWARD.split()),
+    *((RECORD, path) for path in IN_RECORD.split()),
 ]
 
 

@@ -211,11 +211,13 @@ def posture_with_raised_com(robot: Robot, rise: float) -> np.ndarray:
         return [data.oMf[frame].copy() for frame in (*soles, *upright)]
 
     wanted = frames(home)
-    wanted_com = robot.home_com + [0, 0, rise]
+    wanted_com = robot.home_com + np.array([0, 0, rise])
 
     def residual(step: np.ndarray) -> np.ndarray:
         q = pinocchio.integrate(model, home, step)
-        errors = [pinocchio.log6(a.actInv(b)).vector for a, b in zip(wanted, frames(q), strict=True)]
+        errors = [
+            pinocchio.log6(a.actInv(b)).vector for a, b in zip(wanted, frames(q), strict=True)
+        ]
         errors[len(soles) :] = [error[3:] for error in errors[len(soles) :]]
         com = pinocchio.centerOfMass(model, model.createData(), q)
         return np.concatenate((*errors, com - wanted_com))

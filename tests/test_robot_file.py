@@ -184,9 +184,7 @@ def test_folder_for_a_file(tmp_path: Path) -> None:
         read_robot_file(tmp_path)
 
 
-def test_unedited_copy_is_read_like_the_shipped_file(
-    robot: Robot, write_robot: WriteRobot
-) -> None:
+def test_unedited_copy_is_read_like_the_shipped_file(robot: Robot, write_robot: WriteRobot) -> None:
     assert read_robot_file(write_robot()) == robot.description
 
 

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pinocchio
 import pytest
-from pinocchio_casadi import SymbolicModel, UnsupportedJoint
 
+from pinocchio_casadi import SymbolicModel, UnsupportedJoint
 from tsd_casadi import Robot, load_robot
 
 STATES = 20
@@ -122,9 +122,7 @@ def test_mass_matrix(model: Any, symbolic: SymbolicModel, states: Any) -> None:
 def test_bias_forces(model: Any, symbolic: SymbolicModel, states: Any) -> None:
     bias_forces = symbolic.bias_forces()
     for q, v in states:
-        assert_close(
-            bias_forces(q, v), pinocchio.nonLinearEffects(model, model.createData(), q, v)
-        )
+        assert_close(bias_forces(q, v), pinocchio.nonLinearEffects(model, model.createData(), q, v))
 
 
 def test_center_of_mass(model: Any, symbolic: SymbolicModel, states: Any) -> None:
@@ -179,7 +177,6 @@ def test_local_drift_is_the_world_aligned_one_turned(
         _, R, _, drift = (np.array(part) for part in world(q, v))
         turned = np.concatenate((R.T @ drift[:3, 0], R.T @ drift[3:, 0]))
         assert_close(local(q, v)[3], turned)
-
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,215 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zenoh
+
+from tsd_casadi.endpoints import session_settings
+from tsd_casadi.exceptions import ServiceError, ServiceUnreachable, TsdError
+from tsd_casadi.keys import feedforward_key, record_key
+from tsd_casadi.laps import Lap
+from tsd_casadi.messages import ErrorMessage
+from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.recording import Context, Recording, TaskKey
+from tsd_clients.remote_learner import RemoteLearner
+from tsd_clients.service_process import ServiceProcess, free_endpoint
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+ROBOT = "hermes_lower"
+
+
+def recording_of(amplitude: float, error: float = 0.01) -> Recording:
+    basis = PeriodicBasis()
+    phase = np.linspace(0, 2 * np.pi, 500, endpoint=False)
+    feedback = -0.7 + amplitude * np.sin(phase) + 3 * amplitude**2 * np.cos(2 * phase)
+    return Recording(
+        key=TaskKey.of(
+            ROBOT, "squat", ("com.z",), {"amplitude": amplitude, "frequency": 0.25}
+        ),
+        basis=basis,
+        applied=np.zeros((1, basis.L)),
+        laps=[Lap(phase, feedback[None, :])] * 2,
+        errors={"rms_error_m": error, "ac_rms_error_m": error / 10},
+        context=Context("abc", "def", {"P": [50.0]}, "test"),
+    )
+
+
+@pytest.fixture(scope="module")
+def database(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("learner") / "test.sqlite"
+
+
+@pytest.fixture(scope="module")
+def endpoint(database: Path) -> Iterator[str]:
+    endpoint = free_endpoint()
+    with ServiceProcess(["learner", "--database", str(database), "--listen", endpoint]):
+        with RemoteLearner([endpoint]) as learner:
+            for amplitude in (0.02, 0.04, 0.06, 0.08):
+                learner.record(recording_of(amplitude))
+        yield endpoint
+
+
+@pytest.fixture
+def learner(endpoint: str) -> Iterator[RemoteLearner]:
+    with RemoteLearner([endpoint]) as learner:
+        yield learner
+
+
+@pytest.fixture
+def raw_session(endpoint: str) -> Iterator[zenoh.Session]:
+    config = zenoh.Config()
+    for key, value in session_settings(connect=[endpoint]).items():
+        config.insert_json5(key, value)
+    with zenoh.open(config) as session:
+        time.sleep(0.5)
+        yield session
+
+
+def ask(session: zenoh.Session, selector: str, payload: bytes | None = None) -> zenoh.Reply:
+    return next(iter(session.get(selector, payload=payload, timeout=10.0)))
+
+
+def test_learned_and_generalised(learner: RemoteLearner) -> None:
+    exact = learner.query("squat", robot=ROBOT, amplitude=0.04, frequency=0.25)
+    assert exact.kind == "learned"
+    assert exact.iteration == 1
+    between = learner.query("squat", robot=ROBOT, amplitude=0.05, frequency=0.25)
+    assert between.kind == "generalised"
+    assert between.provenance["entries"] == [1, 2, 3, 4]
+    phase = np.linspace(0, 6, 50)
+    truth = -0.7 + 0.05 * np.sin(phase) + 3 * 0.05**2 * np.cos(2 * phase)
+    # the basis itself represents a sine to 3e-4
+    np.testing.assert_allclose(between.mean(phase)[0], truth, atol=5e-4)
+
+
+def test_stock_client_rebuilds_the_same_samples(learner: RemoteLearner, endpoint: str) -> None:
+    done = subprocess.run(
+        [sys.executable, str(EXAMPLES / "query_feedforward.py"), endpoint],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        env={**os.environ, "PYTHONPATH": ""},
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    reply = json.loads(done.stdout)
+    assert reply["kind"] == "generalised"
+    assert reply["parameters"]["amplitude"] == {"value": 0.05, "unit": "m"}
+    phase = np.linspace(0, 2 * np.pi, 333)
+    centres, width = np.array(reply["basis"]["centres"]), reply["basis"]["width"]
+    gamma = np.exp(width * (np.cos(phase[:, None] - centres) - 1))
+    samples = (gamma @ np.array(reply["weights"]).T / gamma.sum(axis=1, keepdims=True)).T
+    ours = learner.query("squat", robot=ROBOT, amplitude=0.05, frequency=0.25).mean(phase)
+    np.testing.assert_allclose(samples, ours, rtol=0, atol=1e-12)
+
+
+def test_stock_example_is_ten_lines_of_zenoh_alone() -> None:
+    lines = (EXAMPLES / "query_feedforward.py").read_text().splitlines()
+    code = [line for line in lines if line and not line.startswith(('"""', "#"))]
+    assert len(code) <= 10
+    imports = {line.split()[1] for line in code if line.startswith(("import", "from"))}
+    assert imports == {"json", "sys", "zenoh"}
+
+
+@pytest.mark.parametrize(
+    ("parameters", "code"),
+    [
+        ("", "malformed"),
+        ("?task=squat", "malformed"),
+        ("?task=squat;amplitude=0.05", "malformed"),
+        ("?task=squat;amplitude=x;frequency=0.25", "invalid_value"),
+        ("?task=squat;amplitude=nan;frequency=0.25", "invalid_value"),
+        ("?task=squat;amplitude=-1;frequency=0.25", "invalid_value"),
+        ("?task=squat;amplitude=0.05;frequency=0.25;colour=red", "invalid_value"),
+        ("?task=squat;amplitude=0.05;frequency=0.25;kind=best", "invalid_value"),
+        ("?task=squat;amplitude=0.05;frequency=0.25;extrapolate=maybe", "invalid_value"),
+        ("?task=squat;amplitude=0.05;frequency=0.25;kind=learned", "not_found"),
+        ("?task=jump;amplitude=0.05;frequency=0.25", "not_found"),
+        ("?task=squat;amplitude=0.05;frequency=0.5", "not_found"),
+        ("?task=squat;amplitude=0.2;frequency=0.25", "extrapolation"),
+    ],
+)
+def test_bad_query_is_an_error_with_a_code(
+    raw_session: zenoh.Session, parameters: str, code: str
+) -> None:
+    reply = ask(raw_session, feedforward_key(ROBOT) + parameters)
+    assert reply.err is not None
+    assert ErrorMessage.decode(reply.err.payload.to_bytes()).code == code
+
+
+@pytest.mark.parametrize("payload", [None, b"", b"{", b"[]", b'{"task": "squat"}', b"\xff\xfe"])
+def test_bad_recording_is_refused_and_nothing_lost(
+    raw_session: zenoh.Session, learner: RemoteLearner, payload: bytes | None
+) -> None:
+    before = learner.database().entries
+    reply = ask(raw_session, record_key(ROBOT), payload)
+    assert reply.err is not None
+    assert ErrorMessage.decode(reply.err.payload.to_bytes()).code == "malformed"
+    assert learner.database().entries == before
+
+
+def test_unknown_key_is_refused(raw_session: zenoh.Session) -> None:
+    reply = ask(raw_session, f"tsd/{ROBOT}/learner/nonsense")
+    assert reply.err is not None
+    assert ErrorMessage.decode(reply.err.payload.to_bytes()).code == "malformed"
+
+
+def test_extrapolation_on_request(learner: RemoteLearner) -> None:
+    outside = {"amplitude": 0.09, "frequency": 0.25}
+    with pytest.raises(ServiceError, match="extrapolate=true") as caught:
+        learner.query("squat", robot=ROBOT, **outside)
+    assert caught.value.code == "extrapolation"
+    far = learner.query("squat", robot=ROBOT, extrapolate=True, **outside)
+    near = learner.query("squat", robot=ROBOT, amplitude=0.07, frequency=0.25)
+    assert far.standard_deviations.mean() > near.standard_deviations.mean()
+
+
+def test_forget(learner: RemoteLearner) -> None:
+    entry, _ = learner.record(recording_of(0.07))
+    reply = learner.forget(entry.entry)
+    assert reply.forgotten is not None
+    assert reply.forgotten.entry == entry.entry
+    assert entry.entry not in [left.entry for left in reply.entries]
+    with pytest.raises(ServiceError, match="no entry"):
+        learner.forget(entry.entry)
+
+
+def test_what_was_recorded_survives_a_killed_service(tmp_path: Path) -> None:
+    arguments = ["learner", "--database", str(tmp_path / "a.sqlite"), "--listen", free_endpoint()]
+    with ServiceProcess(arguments) as service:
+        with RemoteLearner([arguments[-1]]) as learner:
+            learner.record(recording_of(0.03))
+        service.process.send_signal(signal.SIGKILL)
+        service.process.wait()
+    with ServiceProcess(arguments), RemoteLearner([arguments[-1]]) as learner:
+        found = learner.query("squat", robot=ROBOT, amplitude=0.03, frequency=0.25)
+        assert found.kind == "learned"
+
+
+def test_file_that_is_not_ours_is_refused_unchanged(tmp_path: Path) -> None:
+    other = tmp_path / "thesis.txt"
+    other.write_text("not a database" * 100)
+    with pytest.raises(TsdError, match=r"not a database of this project.*not changed"):
+        ServiceProcess(["learner", "--database", str(other), "--listen", free_endpoint()])
+    assert other.read_text() == "not a database" * 100
+
+
+def test_signal_ends_the_service_cleanly(tmp_path: Path) -> None:
+    arguments = ["learner", "--database", str(tmp_path / "a.sqlite"), "--listen", free_endpoint()]
+    with ServiceProcess(arguments) as service:
+        start = time.monotonic()
+        service.process.send_signal(signal.SIGINT)
+        assert service.process.wait(timeout=5.0) == 0
+        assert time.monotonic() - start < 2.0
+
+
+def test_nobody_there() -> None:
+    with pytest.raises(ServiceUnreachable, match="start one with 'tsd learner'"):
+        RemoteLearner([free_endpoint()])
