@@ -121,9 +121,7 @@ def test_bad_tick_is_refused_with_a_code_and_the_next_one_served(
     assert "expected" in error.message
     reply = send(raw_session, robot.name, good)
     assert reply.ok is not None
-    message = unpack_tick(
-        reply.ok.payload.to_bytes(), REPLY, layout, controller.format.reply.size
-    )
+    message = unpack_tick(reply.ok.payload.to_bytes(), REPLY, layout, controller.format.reply.size)
     assert message.sequence == 3
     assert message.values[0] == 0.0
 
@@ -195,11 +193,13 @@ def test_taken_port_is_refused(endpoint: str) -> None:
 
 def test_client_refuses_two_controllers(robot: tsd.Robot, endpoint: str) -> None:
     other = free_endpoint()
-    with ServiceProcess(["controller", "--listen", other]):
-        with pytest.raises(TwoServices, match="2 controllers"):
-            deadline = time.monotonic() + 10.0
-            while time.monotonic() < deadline:  # the second link may come up later
-                RemoteController(robot.name, [endpoint, other]).close()
+    with (
+        ServiceProcess(["controller", "--listen", other]),
+        pytest.raises(TwoServices, match="2 controllers"),
+    ):
+        deadline = time.monotonic() + 10.0
+        while time.monotonic() < deadline:  # the second link may come up later
+            RemoteController(robot.name, [endpoint, other]).close()
 
 
 def test_nobody_there() -> None:

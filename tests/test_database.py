@@ -149,9 +149,7 @@ def test_any_entry_comes_back_bit_for_bit(
 ) -> None:
     size = data.draw(st.integers(1, 6), "L")
     axes = tuple(data.draw(st.lists(NAMES, min_size=1, max_size=3, unique=True), "axes"))
-    weights = st.lists(
-        st.floats(-1e12, 1e12), min_size=size * len(axes), max_size=size * len(axes)
-    )
+    weights = st.lists(st.floats(-1e12, 1e12), min_size=size * len(axes), max_size=size * len(axes))
     applied = np.array(data.draw(weights, "applied")).reshape(len(axes), size)
     made = Recording(
         key=TaskKey.of(

@@ -91,9 +91,7 @@ def test_low_latency_is_off_unless_asked_for() -> None:
 @pytest.mark.parametrize("low_latency", [False, True])
 def test_zenoh_takes_every_setting(low_latency: bool) -> None:
     config = zenoh.Config()
-    settings = session_settings(
-        listen=[LEARNER], connect=[CONTROLLER], low_latency=low_latency
-    )
+    settings = session_settings(listen=[LEARNER], connect=[CONTROLLER], low_latency=low_latency)
     for key, value in settings.items():
         config.insert_json5(key, value)
         assert json.loads(config.get_json(key)) is not None

@@ -13,7 +13,7 @@ from tsd_casadi.exceptions import TsdError
 HERE = Path("/some/where/robot.yaml")
 # every class: its arguments, the attributes it carries, words its message needs
 CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
-    "TsdError": (("what", ), {}, ["what"]),
+    "TsdError": (("what",), {}, ["what"]),
     "RobotFileError": (
         (HERE, "tasks.0.P", "is -1", "a positive number"),
         {"path": HERE, "field": "tasks.0.P", "expected": "a positive number"},

@@ -22,9 +22,7 @@ def learned(amplitude: float, seed: int = 0) -> np.ndarray:
 
 
 @cache
-def regression_of(
-    amplitudes: tuple[float, ...] = AMPLITUDES, seed: int = 0
-) -> WeightRegression:
+def regression_of(amplitudes: tuple[float, ...] = AMPLITUDES, seed: int = 0) -> WeightRegression:
     weights = [learned(amplitude, seed) for amplitude in amplitudes]
     return WeightRegression("amplitude", "m", amplitudes, weights)
 
@@ -45,9 +43,7 @@ def posterior(
     x, x_new = (amplitudes - low) / span, (value - low) / span
 
     def covariance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        return np.asarray(
-            variance * np.exp(-((a[:, None] - b[None, :]) ** 2) / (2 * length**2))
-        )
+        return np.asarray(variance * np.exp(-((a[:, None] - b[None, :]) ** 2) / (2 * length**2)))
 
     mean, deviation = targets.mean(axis=0), targets.std(axis=0)
     # sklearn adds 1e-10 to the diagonal of what it inverts

@@ -101,9 +101,7 @@ def test_update_is_linear_in_weights_and_feedback(seed: int, scale: float) -> No
     rng = np.random.default_rng(seed)
     feedback = rng.normal(size=(2, 200))
     applied = rng.normal(size=(2, BASIS.L))
-    separate = [
-        update_weights(applied[[i]], [lap_of(feedback[i])], BASIS, 0.5) for i in range(2)
-    ]
+    separate = [update_weights(applied[[i]], [lap_of(feedback[i])], BASIS, 0.5) for i in range(2)]
     together = update_weights(
         applied[[0]] + scale * applied[[1]],
         [lap_of(feedback[0] + scale * feedback[1])],

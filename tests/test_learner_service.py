@@ -30,9 +30,7 @@ def recording_of(amplitude: float, error: float = 0.01) -> Recording:
     phase = np.linspace(0, 2 * np.pi, 500, endpoint=False)
     feedback = -0.7 + amplitude * np.sin(phase) + 3 * amplitude**2 * np.cos(2 * phase)
     return Recording(
-        key=TaskKey.of(
-            ROBOT, "squat", ("com.z",), {"amplitude": amplitude, "frequency": 0.25}
-        ),
+        key=TaskKey.of(ROBOT, "squat", ("com.z",), {"amplitude": amplitude, "frequency": 0.25}),
         basis=basis,
         applied=np.zeros((1, basis.L)),
         laps=[Lap(phase, feedback[None, :])] * 2,

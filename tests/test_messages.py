@@ -40,8 +40,9 @@ PHASE = np.pi + np.linspace(0, 2 * np.pi, 20, endpoint=False)
 # JSON: anything that json.loads gives back
 PLAIN = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=5),
-    lambda inner: st.lists(inner, max_size=3)
-    | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3)
+    ),
     max_leaves=5,
 )
 
@@ -97,7 +98,7 @@ FEEDFORWARD = FeedforwardMessage.of("hermes_lower", "squat", a_feedforward())
 RECORD = RecordMessage.of(a_recording())
 ENTRY = EntryMessage.of(an_entry())
 SAMPLES: list[Message] = [
-    ErrorMessage.of(EntryNotFound("nothing ä \"quoted\"")),
+    ErrorMessage.of(EntryNotFound('nothing ä "quoted"')),
     QuantityMessage(value=0.05, unit="m"),
     BasisMessage.of(PeriodicBasis()),
     FEEDFORWARD,
@@ -185,7 +186,9 @@ def test_feedforward_is_exact_over_json(seed: int, size: int) -> None:
     np.testing.assert_array_equal(found.weights, feedforward.weights)
     np.testing.assert_array_equal(found.standard_deviations, feedforward.standard_deviations)
     assert replace(found, weights=0, standard_deviations=0) == replace(  # type: ignore[arg-type]
-        feedforward, weights=0, standard_deviations=0  # type: ignore[arg-type]
+        feedforward,
+        weights=0,
+        standard_deviations=0,  # type: ignore[arg-type]
     )
 
 

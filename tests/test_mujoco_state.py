@@ -215,9 +215,7 @@ REFUSED: dict[str, tuple[Callable[[str], str], str]] = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_a_scene_that_lacks_something_is_refused_by_name(
-    edit_scene: EditScene, case: str
-) -> None:
+def test_a_scene_that_lacks_something_is_refused_by_name(edit_scene: EditScene, case: str) -> None:
     change, message = REFUSED[case]
     robot = edit_scene(change)
     with pytest.raises(RobotFileError, match=re.escape(message)) as caught:

@@ -108,9 +108,7 @@ def test_fit_recovers_weights(seed: int) -> None:
     basis = PeriodicBasis()
     weights = np.random.default_rng(seed).normal(size=(3, basis.L))
     phase = lap_of_samples() + np.pi
-    np.testing.assert_allclose(
-        basis.fit(phase, basis.evaluate(phase, weights)), weights, atol=1e-6
-    )
+    np.testing.assert_allclose(basis.fit(phase, basis.evaluate(phase, weights)), weights, atol=1e-6)
 
 
 def test_fit_is_the_ridge_least_squares_of_numpy() -> None:

@@ -30,9 +30,7 @@ def test_derivatives_agree_with_finite_differences(
     rate = omega / (2 * step)
     # errors: third derivative of a quintic start, at most about 60 / pi^3 per rad^3
     assert now.xd == pytest.approx((after.x - before.x) * rate, abs=1e-6 * amplitude * omega)
-    assert now.xdd == pytest.approx(
-        (after.xd - before.xd) * rate, abs=1e-3 * amplitude * omega**2
-    )
+    assert now.xdd == pytest.approx((after.xd - before.xd) * rate, abs=1e-3 * amplitude * omega**2)
 
 
 @pytest.mark.parametrize("frequency", [0.05, 0.25, 1.0])

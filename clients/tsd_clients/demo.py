@@ -20,7 +20,7 @@ from tsd_casadi.exceptions import TsdError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.progress import show_progress
 from tsd_casadi.robot import Robot
-from tsd_clients.figures import draw_figures
+from tsd_clients.figures import draw_feedback, draw_tracking
 from tsd_clients.learning import learn
 from tsd_clients.remote_controller import RemoteController
 from tsd_clients.remote_learner import RemoteLearner
@@ -36,9 +36,8 @@ REDUCED = 0.2  # P / 5
 AMPLITUDE = 0.03  # m
 DATABASE = (0.02, 0.04, 0.06, 0.08)  # m
 QUERIED, NEAREST = 0.05, 0.04  # m
+REUSED = "nearest entry as it is"
 ITERATIONS = 2
-# runs of the first part, of the second, and how long one takes [s of laps]
-RUNS = 7 + 3 * len(DATABASE) + 5
 
 
 class _Demo:
@@ -64,36 +63,38 @@ class _Demo:
 
     def _perfect_model(self) -> None:
         simulator = MujocoSimulator(self.robot, 0.0)
-        self._run("3 cm, perfect model, none", AMPLITUDE, simulator=simulator)
+        self._run(_label(AMPLITUDE, "perfect model, none"), AMPLITUDE, simulator=simulator)
 
     def _one_amplitude(self) -> None:
-        runs = self._learn(AMPLITUDE, "3 cm")
-        self._run("3 cm, constant", AMPLITUDE, runs[1].feedforward.constant())
-        self._run("3 cm, P/5, none", AMPLITUDE, p_scale=REDUCED)
-        self._run("3 cm, P/5, learned, iteration 1", AMPLITUDE, runs[1].feedforward, REDUCED)
+        runs = self._learn(AMPLITUDE)
+        self._run(_label(AMPLITUDE, "constant"), AMPLITUDE, runs[1].feedforward.constant())
+        self._run(_label(AMPLITUDE, "P/5, none"), AMPLITUDE, p_scale=REDUCED)
+        self._run(
+            _label(AMPLITUDE, "P/5, learned, iteration 1"), AMPLITUDE, runs[1].feedforward, REDUCED
+        )
 
     def _other_amplitude(self) -> None:
-        # the generalisation is to know 2, 4, 6 and 8 cm only
+        # the generalisation is to know the amplitudes of the database only
         for entry in self.learner.database().entries:
             self.learner.forget(entry.entry)
         for amplitude in DATABASE:
-            self._learn(amplitude, f"{100 * amplitude:g} cm")
+            self._learn(amplitude)
         robot = self.robot.name
         generalised = self.learner.query(
             Squat.name, robot=robot, kind="generalised", amplitude=QUERIED, frequency=FREQUENCY
         )
-        self._run("5 cm, generalised", QUERIED, generalised)
+        self._run(_label(QUERIED, "generalised"), QUERIED, generalised)
         nearest = self.learner.query(
             Squat.name, robot=robot, kind="learned", amplitude=NEAREST, frequency=FREQUENCY
         )
-        self._run("5 cm, 4 cm entry as it is", QUERIED, replace(nearest, kind="nearest"))
-        self._learn(QUERIED, "5 cm")
+        self._run(_label(QUERIED, REUSED), QUERIED, replace(nearest, kind="nearest"))
+        self._learn(QUERIED)
 
-    def _learn(self, amplitude: float, label: str) -> list[Run]:
+    def _learn(self, amplitude: float) -> list[Run]:
         def keep(run: Run, notes: list[str]) -> None:
             iteration = run.feedforward.iteration
             kind = f"learned, iteration {iteration}" if iteration else "none"
-            self._keep(f"{label}, {kind}", run)
+            self._keep(_label(amplitude, kind), run)
             for note in notes:
                 console.print(f"note: {note}")
 
@@ -129,7 +130,7 @@ class _Demo:
         self._keep(label, run)
 
     def _progress(self, done: float, total: float) -> None:
-        self._report(self._done + done / total, RUNS)
+        self._report(self._done + done / total, _number_of_runs())
 
     def _keep(self, label: str, run: Run) -> None:
         self._done += 1
@@ -157,7 +158,7 @@ def run_demo(robot: Robot, out: Path, seed: int = 0) -> dict[str, Any]:
         raise TsdError(f"cannot write to {out}: {error}; choose another with --out") from error
     with _services(robot) as (controller, learner):
         demo = _Demo(robot, controller, learner, seed)
-        with show_progress("demo", RUNS) as report:
+        with show_progress("demo", _number_of_runs()) as report:
             demo.play(report)
         served = controller.info().ticks_served
     runs = demo.runs
@@ -174,9 +175,9 @@ def run_demo(robot: Robot, out: Path, seed: int = 0) -> dict[str, Any]:
         for index, (label, run) in enumerate(runs.items()):
             run.save_log(out / "logs" / f"{_file_name(label)}.npz")
             report(index + 1, len(runs) + 2)
-        draw_figures(runs, out)
+        _draw(runs, out)
         report(len(runs) + 1, len(runs) + 2)
-        pictures = render_squat(robot, runs["3 cm, learned, iteration 1"], out)
+        pictures = render_squat(robot, runs[_label(AMPLITUDE, "learned, iteration 1")], out)
     summary["seconds"] = monotonic() - start
     (out / "summary.json").write_text(json.dumps(summary, indent=2))
     _print(summary, out, pictures)
@@ -201,17 +202,57 @@ def _services(robot: Robot) -> Iterator[tuple[RemoteController, RemoteLearner]]:
             yield controller, learner
 
 
+def _number_of_runs() -> int:
+    learning = ITERATIONS + 1
+    # learned, perfect, constant and twice P/5; the database; learned,
+    # generalised and nearest
+    return learning + 4 + learning * len(DATABASE) + learning + 2
+
+
+def _label(amplitude: float, what: str) -> str:
+    return f"{100 * amplitude:g} cm, {what}"
+
+
 def _file_name(label: str) -> str:
     return label.replace("/", "_").replace(", ", "_").replace(" ", "_")
 
 
+def _draw(runs: dict[str, Run], out: Path) -> None:
+    first = runs[_label(AMPLITUDE, "learned, iteration 1")]
+    one = {
+        "no feedforward": (runs[_label(AMPLITUDE, "none")], "none"),
+        "learned, 1 iteration": (first, "learned"),
+        "learned, P / 5": (runs[_label(AMPLITUDE, "P/5, learned, iteration 1")], "reduced"),
+    }
+    other = {
+        "no feedforward": (runs[_label(QUERIED, "none")], "none"),
+        "learned, 2 iterations": (runs[_label(QUERIED, "learned, iteration 2")], "learned"),
+        "generalised": (runs[_label(QUERIED, "generalised")], "reduced"),
+    }
+    wrong = f"{100 * MODEL_ERROR:g} % wrong model"
+    draw_tracking(one, f"{100 * AMPLITUDE:g} cm squat, {wrong}", out / "com_error.png")
+    draw_feedback(one, first, out / "feedback.png")
+    known = ", ".join(f"{100 * amplitude:g}" for amplitude in DATABASE)
+    title = f"{100 * QUERIED:g} cm squat, generalised from {known} cm, {wrong}"
+    draw_tracking(other, title, out / "generalisation.png")
+
+
 def _goals(runs: dict[str, Run]) -> list[dict[str, Any]]:
     """What the method promises, as ratios of two runs of this demonstration."""
-    none, first = runs["3 cm, none"], runs["3 cm, learned, iteration 1"]
-    second, constant = runs["3 cm, learned, iteration 2"], runs["3 cm, constant"]
-    reduced = runs["3 cm, P/5, learned, iteration 1"]
-    generalised, direct = runs["5 cm, generalised"], runs["5 cm, learned, iteration 2"]
-    nearest, perfect = runs["5 cm, 4 cm entry as it is"], runs["3 cm, perfect model, none"]
+    none, constant, perfect, first, second, reduced = (
+        runs[_label(AMPLITUDE, what)]
+        for what in (
+            "none",
+            "constant",
+            "perfect model, none",
+            "learned, iteration 1",
+            "learned, iteration 2",
+            "P/5, learned, iteration 1",
+        )
+    )
+    generalised, direct, nearest = (
+        runs[_label(QUERIED, what)] for what in ("generalised", "learned, iteration 2", REUSED)
+    )
     ac_none = none.ac_rms_error
     measured = [
         ("RMS error, none / one iteration", ">= 80", none.rms_error / first.rms_error),
@@ -230,7 +271,7 @@ def _goals(runs: dict[str, Run]) -> list[dict[str, Any]]:
             generalised.ac_rms_error / direct.ac_rms_error,
         ),
         (
-            "AC error, generalised / 4 cm entry",
+            "AC error, generalised / nearest entry",
             "<= 0.3",
             generalised.ac_rms_error / nearest.ac_rms_error,
         ),

@@ -24,34 +24,15 @@ STYLES: dict[str, dict[str, Any]] = {
 }
 
 
-def draw_figures(runs: dict[str, Run], out: Path) -> list[Path]:
-    """Draw position and error, feedback, and generalisation.
+def draw_tracking(runs: dict[str, tuple[Run, str]], title: str, path: Path) -> None:
+    """Draw position and error of some runs (the paper's cog_err and gen_cog_err).
 
     Args:
-        runs: The runs by their labels in the demonstration.
-        out: Folder.
-
-    Returns:
-        The files, PNG.
+        runs: Run and style by legend entry; the first one is without feedforward
+            and left out of the closest view.
+        title: Heading.
+        path: The PNG file.
     """
-    one = {
-        "no feedforward": (runs["3 cm, none"], "none"),
-        "learned, 1 iteration": (runs["3 cm, learned, iteration 1"], "learned"),
-        "learned, P / 5": (runs["3 cm, P/5, learned, iteration 1"], "reduced"),
-    }
-    other = {
-        "no feedforward": (runs["5 cm, none"], "none"),
-        "learned, 2 iterations": (runs["5 cm, learned, iteration 2"], "learned"),
-        "generalised": (runs["5 cm, generalised"], "reduced"),
-    }
-    return [
-        _draw_tracking(one, out / "com_error.png", "3 cm squat, 10 % wrong model"),
-        _draw_feedback(one, out / "feedback.png"),
-        _draw_tracking(other, out / "generalisation.png", "5 cm squat from 2, 4, 6 and 8 cm"),
-    ]
-
-
-def _draw_tracking(runs: dict[str, tuple[Run, str]], path: Path, title: str) -> Path:
     figure, (top, middle, bottom) = plt.subplots(3, 1, figsize=(8, 7), sharex=True)
     for label, (run, style) in runs.items():
         time, error = run.log["time"], run.log["error"]
@@ -70,35 +51,41 @@ def _draw_tracking(runs: dict[str, tuple[Run, str]], path: Path, title: str) -> 
     low, high = top.get_ylim()
     top.set_ylim(low, high + 0.2 * (high - low))  # room for the legend
     middle.set_ylabel("error [mm]")
-    learned = [run for label, (run, _) in runs.items() if label != "no feedforward"]
-    bound = max(1e3 * run.peak_error for run in learned)
+    bound = max(1e3 * run.peak_error for run, _ in list(runs.values())[1:])
     bottom.set_ylim(-2 * bound, 2 * bound)
     bottom.set_ylabel("error, close [mm]")
     bottom.set_xlabel("time [s]")
-    return _save(figure, path)
+    _save(figure, path)
 
 
-def _draw_feedback(runs: dict[str, tuple[Run, str]], path: Path) -> Path:
+def draw_feedback(runs: dict[str, tuple[Run, str]], encoded: Run, path: Path) -> None:
+    """Draw the feedback term of some runs (the paper's RBS_error).
+
+    Args:
+        runs: Run and style by legend entry.
+        encoded: The run whose feedforward is drawn over them.
+        path: The PNG file.
+    """
     figure, axes = plt.subplots(figsize=(8, 3.5))
     for label, (run, style) in runs.items():
         axes.plot(run.log["time"], run.log["feedback"], label=label, **STYLES[style])
-    learned = runs["learned, 1 iteration"][0]
     axes.plot(
-        learned.log["time"],
-        learned.log["feedforward"],
+        encoded.log["time"],
+        encoded.log["feedforward"],
         label="encoded feedforward",
         **STYLES["encoded"],
     )
     axes.set_ylabel("feedback [m/s²]")
     axes.set_xlabel("time [s]")
-    axes.set_ylim(-1.2, 0.4)
+    # the first moments of a run, from rest, would dwarf the rest
+    bound = 1.6 * float(np.max(np.abs(encoded.log["feedforward"])))
+    axes.set_ylim(-bound, bound / 2)
     axes.grid(alpha=0.3)
     axes.legend(fontsize=8, ncols=2)
-    return _save(figure, path)
+    _save(figure, path)
 
 
-def _save(figure: Any, path: Path) -> Path:
+def _save(figure: Any, path: Path) -> None:
     figure.tight_layout()
     figure.savefig(path, dpi=130)
     plt.close(figure)
-    return path

@@ -1,0 +1,96 @@
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tsd_casadi import load_robot
+from tsd_clients import demo
+
+FIELDS = {
+    "label", "task", "amplitude_m", "frequency_hz", "model_error", "p_scale", "feedforward",
+    "iteration", "transport", "seed", "rms_error_m", "peak_error_m", "ac_rms_error_m",
+    "true_rms_error_m", "mean_abs_feedback", "fell", "ticks", "tick_us",
+}  # fmt: skip
+
+
+def check_summary(out: Path) -> None:
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["robot"] == "hermes_lower"
+    for run in summary["runs"]:
+        assert run.keys() >= FIELDS
+        assert run["tick_us"].keys() == {"p50", "p99", "max"}
+        assert run["transport"] == "zenoh"
+        assert not run["fell"]
+    kinds = {run["feedforward"] for run in summary["runs"]}
+    assert kinds == {"none", "learned", "constant", "nearest", "generalised"}
+    assert summary["ticks_served"] == sum(run["ticks"] for run in summary["runs"])
+    logs = sorted((out / "logs").glob("*.npz"))
+    assert len(logs) == len(summary["runs"])
+    for run in summary["runs"]:
+        log = np.load(out / "logs" / f"{demo._file_name(run['label'])}.npz")
+        error = log["error"][log["measured"]]
+        assert np.sqrt(np.mean(error**2)) == pytest.approx(run["rms_error_m"])
+    for figure in ("com_error.png", "feedback.png", "generalisation.png"):
+        assert (out / figure).stat().st_size > 10_000
+
+
+@pytest.mark.long
+def test_demo_reaches_its_goals(tmp_path: Path) -> None:
+    start = time.monotonic()
+    done = subprocess.run(
+        [sys.executable, "-m", "tsd_clients.command_line", "demo", "--out", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        timeout=900,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    print(done.stdout)
+    print(f"{time.monotonic() - start:.0f} s")
+    check_summary(tmp_path)
+    runs = {
+        run["label"]: run for run in json.loads((tmp_path / "summary.json").read_text())["runs"]
+    }
+    none, first = runs["3 cm, none"], runs["3 cm, learned, iteration 1"]
+    second = runs["3 cm, learned, iteration 2"]
+    assert none["rms_error_m"] >= 80 * first["rms_error_m"]
+    assert none["ac_rms_error_m"] >= 5 * first["ac_rms_error_m"]
+    assert none["ac_rms_error_m"] >= 25 * second["ac_rms_error_m"]
+    assert none["mean_abs_feedback"] >= 80 * first["mean_abs_feedback"]
+    assert none["rms_error_m"] >= 20 * runs["3 cm, P/5, learned, iteration 1"]["rms_error_m"]
+    assert none["ac_rms_error_m"] < 5 * runs["3 cm, constant"]["ac_rms_error_m"]
+    generalised = runs["5 cm, generalised"]["ac_rms_error_m"]
+    assert generalised <= 1.5 * runs["5 cm, learned, iteration 2"]["ac_rms_error_m"]
+    assert generalised <= 0.3 * runs["5 cm, nearest entry as it is"]["ac_rms_error_m"]
+    assert runs["3 cm, perfect model, none"]["rms_error_m"] < 2e-5
+
+
+def test_short_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(demo, "FREQUENCY", 1.0)
+    monkeypatch.setattr(demo, "AMPLITUDE", 0.01)
+    monkeypatch.setattr(demo, "DATABASE", (0.005, 0.012))
+    monkeypatch.setattr(demo, "NEAREST", 0.005)
+    monkeypatch.setattr(demo, "QUERIED", 0.008)
+    monkeypatch.setattr(demo, "ITERATIONS", 2)
+    demo.run_demo(load_robot("hermes_lower"), tmp_path)
+    check_summary(tmp_path)
+
+
+def test_services_stop_when_a_run_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    started = []
+    original = demo.ServiceProcess
+
+    def remember(arguments: list[str]) -> demo.ServiceProcess:
+        started.append(original(arguments))
+        return started[-1]
+
+    monkeypatch.setattr(demo, "ServiceProcess", remember)
+    monkeypatch.setattr(demo, "AMPLITUDE", 5.0)
+    with pytest.raises(ValueError, match="amplitude is 5"):
+        demo.run_demo(load_robot("hermes_lower"), tmp_path)
+    assert len(started) == 2
+    assert all(service.process.poll() == 0 for service in started)
