@@ -33,14 +33,19 @@ FAILURES: dict[str, tuple[Edit, Status]] = {
     "more force than the legs have": (put(left_foot__minimum_force=1e6), Status.INFEASIBLE),
     "sole inside out": (put(left_foot__extents=[0.1, -0.1, 0.05, -0.05]), Status.INFEASIBLE),
     "no torque": (put(limits__torque=0.0), Status.INFEASIBLE),
-    "weak motors": (put(limits__torque=20.0), Status.INFEASIBLE),
     "negative weight": (put(com__W=-10.0), Status.SINGULAR),
     "no weight on wrenches": (
         put(left_foot__W_lambda=0.0, right_foot__W_lambda=0.0),
         Status.SINGULAR,
     ),
-    "no weight on accelerations": (
-        put(posture__W=0.0, regularization__acceleration=0.0),
+    "no weight at all": (
+        put(
+            com__active=0.0,
+            pelvis__active=0.0,
+            torso__active=0.0,
+            posture__W=0.0,
+            regularization__acceleration=0.0,
+        ),
         Status.SINGULAR,
     ),
 }
@@ -124,6 +129,15 @@ def test_failures_have_their_status_and_a_safe_torque(
     np.testing.assert_array_equal(tick.error, good.error)
 
 
+@pytest.mark.xfail(strict=True, reason="a pivot of rounding noise counts as positive")
+def test_weights_that_leave_accelerations_open_are_told(
+    controller: Controller, robot: Robot
+) -> None:
+    open_ended = put(posture__W=0.0, regularization__acceleration=0.0)
+    ticks = [run(controller, open_ended, moving(robot, seed)) for seed in range(20)]
+    assert {tick.status for tick in ticks} == {Status.SINGULAR}
+
+
 def safe_torque(robot: Robot, state: State, command: Command) -> np.ndarray:
     model, data = robot.model, robot.model.createData()
     gravity = pinocchio.computeGeneralizedGravity(model, data, state.q)
@@ -155,7 +169,7 @@ def test_safe_torque_is_gravity_compensation_and_damping(
     feet: tuple[int, int], seed: int, controller: Controller, robot: Robot
 ) -> None:
     state, command = moving(robot, seed), controller.command()
-    put(left_foot__active=feet[0], right_foot__active=feet[1], com__W=-1e3)(command)
+    put(left_foot__active=feet[0], right_foot__active=feet[1], pelvis__W=-1e3)(command)
     command["safe_torque.D"] = np.linspace(0, 20, robot.n)
     tick = controller.tick(state, command)
     assert tick.status == Status.SINGULAR
@@ -168,7 +182,7 @@ def test_safe_torque_holds_a_static_stance(
     feet: tuple[int, int], controller: Controller, robot: Robot
 ) -> None:
     command, state = controller.command(), robot.home
-    put(left_foot__active=feet[0], right_foot__active=feet[1], com__W=-1e3)(command)
+    put(left_foot__active=feet[0], right_foot__active=feet[1], pelvis__W=-1e3)(command)
     tick = controller.tick(state, command)
     assert tick.status == Status.SINGULAR
     model, data = robot.model, robot.model.createData()
@@ -184,9 +198,9 @@ def test_safe_torque_holds_a_static_stance(
 
 def test_safe_torque_is_clipped_joint_by_joint(controller: Controller, robot: Robot) -> None:
     limits = np.linspace(1.0, 60.0, robot.n)
-    tick = run(controller, put(limits__torque=limits, com__W=-1e3))
+    tick = run(controller, put(limits__torque=limits, pelvis__W=-1e3))
     assert tick.status == Status.SINGULAR
-    free = run(controller, put(com__W=-1e3)).tau
+    free = run(controller, put(pelvis__W=-1e3)).tau
     np.testing.assert_allclose(tick.tau, np.clip(free, -limits, limits), atol=1e-9)
     assert (np.abs(free) > limits).any()
 
@@ -234,7 +248,7 @@ def test_values_out_of_range_are_refused_by_name(
 def test_state_needs_a_unit_quaternion(controller: Controller, robot: Robot) -> None:
     q = robot.home.q.copy()
     q[3:7] = [0.0, 0.0, 0.0, 1.01]
-    with pytest.raises(InvalidValue, match="norm of the quaternion in q is 1.01"):
+    with pytest.raises(InvalidValue, match=r"norm of the quaternion in q is 1\.01"):
         controller.tick(State(q, robot.home.v), controller.command())
 
 
@@ -264,23 +278,15 @@ def test_a_state_of_another_size_is_refused(
     size: int, controller: Controller, robot: Robot
 ) -> None:
     with pytest.raises(InvalidValue, match="q"):
-        controller.tick(State(np.ones(size), robot.home.v), controller.command())
+        controller.tick(State(np.full(size, 0.5), robot.home.v), controller.command())
 
 
 @pytest.mark.xfail(strict=True, reason="run() hands any array's memory to C")
-@pytest.mark.parametrize(
-    "spoil",
-    [lambda x: x[:-1], lambda x: x.astype(np.float32), lambda x: np.repeat(x, 2)[::2]],
-    ids=["short", "float32", "strided"],
-)
-def test_a_request_of_another_shape_is_refused(
-    spoil: Callable[[np.ndarray], np.ndarray], controller: Controller
-) -> None:
-    # all of it lies in memory that this test owns
-    memory = np.concatenate((controller.command().request, np.zeros(1000)))
-    request = spoil(memory[: controller.format.request.size])
+def test_a_request_of_another_size_is_refused(controller: Controller) -> None:
+    # one short of what C reads, in memory that this test owns
+    memory = controller.command().request
     with pytest.raises((InvalidValue, ValueError)):
-        controller.run(request)
+        controller.run(memory[:-1])
 
 
 def in_another_process(body: str) -> subprocess.CompletedProcess[str]:
@@ -366,7 +372,7 @@ def accepted_requests(draw: st.DrawFn, controller: Controller) -> Command:
             slots[draw(st.integers(0, field.size - 1))] = value
         else:
             slots[:] = value
-        if pattern == "signs" and field.lower < 0:
+        if pattern == "signs" and field.lower < 0 and not field.switch:
             slots[::2] *= -1
         if field.unit_quaternion is not None:
             turn = Rotation.random(random_state=draw(st.integers(0, 1000))).as_quat()

@@ -1,0 +1,88 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from tsd_casadi.messages import DatabaseReply, EntryMessage, QuantityMessage
+from tsd_clients import tables
+
+SUMMARY: dict[str, Any] = {
+    "label": "baseline",
+    "rms_error_m": 1.23456e-3,
+    "peak_error_m": 2.5e-3,
+    "ac_rms_error_m": 3e-4,
+    "true_rms_error_m": 4e-3,
+    "mean_abs_feedback": 0.75037,
+    "laps_measured": 2,
+    "laps_run": 5,
+    "tick_us": {"p50": 55.4, "p99": 124.0},
+    "fell": False,
+    "steady": True,
+    "failures": {},
+}
+
+
+def an_entry(served: int) -> EntryMessage:
+    errors = {"rms_error_m": 1.5e-3, "ac_rms_error_m": 2.5e-4}
+    return EntryMessage(
+        entry=42,
+        robot="hermes_lower",
+        task="squat",
+        axes=("com.z",),
+        parameters={
+            "amplitude": QuantityMessage(value=0.03, unit="m"),
+            "frequency": QuantityMessage(value=0.25, unit="Hz"),
+        },
+        served=served,
+        learning_gain=1.0,
+        rule="guarded",
+        updated="2026-01-02T03:04:05+00:00",
+        iterations=[(0, errors), (1, None)],
+    )
+
+
+def printed(show: Callable[[], None]) -> str:
+    with tables.console.capture() as capture:
+        show()
+    return capture.get()
+
+
+def test_runs_are_shown_in_millimetres() -> None:
+    text = printed(lambda: tables.print_runs("squat", [SUMMARY]))
+    for part in ("baseline", "1.2346", "2.5000", "0.3000", "4.0000", "0.75037", "2/5", "55", "124"):
+        assert part in text
+    assert "fell" not in text
+    assert "steady" not in text
+
+
+@pytest.mark.parametrize(
+    ("changes", "remark"),
+    [
+        ({"fell": True, "steady": False}, "fell"),
+        ({"steady": False}, "never steady"),
+        ({"failures": {"infeasible": 3}}, "3 ticks infeasible"),
+    ],
+)
+def test_what_went_wrong_is_said_beside_the_label(changes: dict[str, Any], remark: str) -> None:
+    text = printed(lambda: tables.print_runs("squat", [{**SUMMARY, **changes}]))
+    assert remark in " ".join(text.split())
+
+
+def test_goals_say_whether_they_were_met() -> None:
+    goals = [
+        {"id": "one", "goal": "> 2", "measured": 3.0, "met": True},
+        {"id": "two", "goal": "> 5", "measured": 4.0, "met": False},
+    ]
+    text = printed(lambda: tables.print_goals(goals)).splitlines()
+    assert any("one" in line and "met" in line for line in text)
+    assert any("two" in line and "missed" in line for line in text)
+
+
+def test_entries_are_listed_with_units_and_what_is_served() -> None:
+    reply = DatabaseReply(database="/tmp/d.sqlite", entries=[an_entry(0), an_entry(1)])
+    text = " ".join(printed(lambda: tables.print_entries(reply)).split())
+    for part in ("/tmp/d.sqlite", "42", "hermes_lower", "1.5000", "0.2500", "untested"):
+        assert part in text
+    assert tables.describe_parameters(an_entry(0)) == "amplitude 0.03 m, frequency 0.25 Hz"
