@@ -182,7 +182,6 @@ def test_a_folder_of_another_user_is_refused(folder: Path) -> None:
         cache_folder()
 
 
-@pytest.mark.xfail(strict=True, reason="mkdir's FileExistsError gets through")
 def test_a_file_in_the_folder_s_place_is_told(folder: Path) -> None:
     folder.parent.mkdir()
     folder.write_text("in the way")
@@ -213,14 +212,12 @@ def test_gcc_is_taken_where_there_is_no_cc(monkeypatch: pytest.MonkeyPatch, tmp_
     assert find_compiler() == str(tmp_path / "gcc")
 
 
-@pytest.mark.xfail(strict=True, reason="the key needs the compiler, against the docstring")
 def test_a_hit_needs_no_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     library = compile_cached(sources())
     monkeypatch.setenv("PATH", str(tmp_path))
     assert compile_cached(sources()) == library
 
 
-@pytest.mark.xfail(strict=True, reason="CC is taken for one word")
 def test_cc_may_have_arguments(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CC", f"{shutil.which('env')} {find_compiler()}")
     assert call(compile_cached(sources())) == 42

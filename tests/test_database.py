@@ -675,10 +675,6 @@ def test_what_was_answered_is_kept_when_the_process_is_killed(path: Path) -> Non
         database.record(recording(0.07))
 
 
-# defects found while these tests were written
-
-
-@pytest.mark.xfail(strict=True, reason="a COMMIT that fails leaves the transaction open for good")
 @pytest.mark.usefixtures("impatient")
 def test_a_reader_that_blocks_one_record_does_not_block_the_next(path: Path) -> None:
     with Database(path) as database, closing(sqlite3.connect(path)) as reader:
@@ -692,7 +688,6 @@ def test_a_reader_that_blocks_one_record_does_not_block_the_next(path: Path) -> 
         assert len(database.entries()) == 2
 
 
-@pytest.mark.xfail(strict=True, reason="busy while opening is taken for another project's file")
 @pytest.mark.usefixtures("impatient")
 def test_a_database_that_is_locked_while_opening_is_said_to_be_locked(path: Path) -> None:
     Database(path).close()
@@ -703,7 +698,6 @@ def test_a_database_that_is_locked_while_opening_is_said_to_be_locked(path: Path
         assert "not a database of this project" not in str(caught.value)
 
 
-@pytest.mark.xfail(strict=True, reason="the check for tables and their creation are not atomic")
 def test_two_processes_may_make_the_same_new_database(path: Path) -> None:
     with closing(sqlite3.connect(path, isolation_level=None)) as other:
         # the other process is in the middle of making the tables
@@ -731,7 +725,6 @@ def test_two_processes_may_make_the_same_new_database(path: Path) -> None:
     assert opened == [None]
 
 
-@pytest.mark.xfail(strict=True, reason="entry and iterations are read in two transactions")
 def test_an_entry_forgotten_while_it_is_read_is_not_half_read(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -750,7 +743,6 @@ def test_an_entry_forgotten_while_it_is_read_is_not_half_read(
         assert all(entry.iterations for entry in database.entries())
 
 
-@pytest.mark.xfail(strict=True, reason="a NaN error counts as an improvement, NaN is stored")
 @pytest.mark.parametrize("what", ["error", "feedback", "applied"])
 def test_a_recording_that_is_not_finite_is_refused(database: Database, what: str) -> None:
     nan = float("nan")
@@ -764,19 +756,16 @@ def test_a_recording_that_is_not_finite_is_refused(database: Database, what: str
         database.record(recording(**changes))  # type: ignore[arg-type]
 
 
-@pytest.mark.xfail(strict=True, raises=KeyError, reason="a bare KeyError")
 def test_a_query_without_amplitude_is_refused_with_a_reason(trained: Database) -> None:
     with pytest.raises(TsdError, match="amplitude"):
         trained.query("squat", frequency=0.25)
 
 
-@pytest.mark.xfail(strict=True, reason="anything but 'learned' is taken for 'generalised'")
 def test_an_unknown_kind_is_refused(trained: Database) -> None:
     with pytest.raises(TsdError, match="learned or generalised"):
         trained.query("squat", kind="learnt", amplitude=0.04, frequency=0.25)
 
 
-@pytest.mark.xfail(strict=True, reason="the oldest entry is served whatever its axes")
 def test_after_a_restart_with_other_axes_the_new_entry_is_served(database: Database) -> None:
     database.record(recording(axes=("com.z",)))
     database.record(recording(axes=("body.z",), restart=True))

@@ -108,10 +108,6 @@ def test_the_users_choice_of_threads_is_kept(
     assert os.environ["ZENOH_RUNTIME"] == (chosen or RUNTIME)
 
 
-# defects found while these tests were written
-
-
-@pytest.mark.xfail(strict=True, reason="endpoints.py takes these for valid, or trips over them")
 @pytest.mark.parametrize(
     "endpoint",
     [

@@ -305,10 +305,6 @@ def test_key_rounds_and_sorts_its_parameters() -> None:
     assert one.describe() == "squat amplitude=0.03 frequency=0.25 on r"
 
 
-# defects found while these tests were written
-
-
-@pytest.mark.xfail(strict=True, reason="errors at different gains are compared with each other")
 def test_a_larger_error_at_lower_gains_is_not_taken_for_worse_weights() -> None:
     entry = entry_after(15e-3, 0.5e-3, 0.1e-3)
     lower = replace(CONTEXT, gains={"P": [12.5], "D": [14.0]})
@@ -316,7 +312,6 @@ def test_a_larger_error_at_lower_gains_is_not_taken_for_worse_weights() -> None:
     assert entry.learning_gain == 1.0
 
 
-@pytest.mark.xfail(strict=True, reason="repeating a known worse iteration halves the gain again")
 def test_repeating_the_baseline_does_not_halve_the_gain() -> None:
     entry = entry_after(2e-3, 1e-3)
     entry.add(recording(NOTHING, 2e-3, update=False))

@@ -151,7 +151,6 @@ def test_a_long_compiler_output_is_kept_whole_and_shown_in_part() -> None:
     assert "line 50." not in str(error)
 
 
-@pytest.mark.xfail(strict=True, reason="exceptions with more than one argument do not unpickle")
 def test_errors_survive_pickling_as_multiprocessing_does() -> None:
     for name, (arguments, attributes, _) in CASES.items():
         error = pickle.loads(pickle.dumps(every_class()[name](*arguments)))

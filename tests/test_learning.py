@@ -278,10 +278,6 @@ def test_a_learner_that_cannot_answer_stops_before_the_first_run(
         learn(simulator, controller, [SQUAT], Grumpy(error))
 
 
-# defects found while these tests were written
-
-
-@pytest.mark.xfail(strict=True, reason="motions are checked one by one, after learning the others")
 def test_all_motions_are_checked_before_the_first_run(
     simulator: MujocoSimulator, controller: Controller, learned: Learned
 ) -> None:
@@ -298,7 +294,6 @@ def test_all_motions_are_checked_before_the_first_run(
         )
 
 
-@pytest.mark.xfail(strict=True, reason="a run of failed ticks is recorded without a remark")
 def test_a_run_whose_ticks_failed_is_not_learned_from(
     simulator: MujocoSimulator, controller: Controller, learned: Learned
 ) -> None:

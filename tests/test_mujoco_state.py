@@ -223,10 +223,6 @@ def test_a_scene_that_lacks_something_is_refused_by_name(edit_scene: EditScene, 
     assert caught.value.path == robot.scene_path
 
 
-# defects found while these tests were written
-
-
-@pytest.mark.xfail(strict=True, reason="any actuator of the joint is taken for a plain motor")
 @pytest.mark.parametrize(
     "actuator",
     [
@@ -245,7 +241,6 @@ def test_an_actuator_that_does_not_apply_its_control_as_torque_is_refused(
         StateMap(robot, scene_of(robot))
 
 
-@pytest.mark.xfail(strict=True, reason="joints that the URDF does not have are not noticed")
 def test_a_joint_too_many_is_refused_by_name(edit_scene: EditScene) -> None:
     extra = '<body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><joint name="tail"/></body>'
     robot = edit_scene(

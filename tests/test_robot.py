@@ -140,7 +140,6 @@ def test_negative_torque_limit_is_refused(write_robot: WriteRobot) -> None:
     assert error.path.suffix == ".urdf"
 
 
-@pytest.mark.xfail(strict=True, reason="nv of a continuous joint is 1, only its nq gives it away")
 def test_continuous_joint_is_refused(write_robot: WriteRobot) -> None:
     def continuous(text: str) -> str:
         return text.replace('name="B_TR" type="revolute"', 'name="B_TR" type="continuous"')

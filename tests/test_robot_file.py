@@ -111,41 +111,13 @@ def test_message_names_file_field_and_expectation(case: str, write_robot: WriteR
 @pytest.mark.parametrize(
     ("edit", "field"),
     [
-        pytest.param(
-            drop("tasks", 1, "frame"),
-            "tasks.1.frame",
-            marks=pytest.mark.xfail(strict=True, reason="the field's own name is cut away"),
-        ),
-        pytest.param(
-            drop("contacts", 1, "frame"),
-            "contacts.1.frame",
-            marks=pytest.mark.xfail(strict=True, reason="the field's own name is cut away"),
-        ),
-        pytest.param(
-            put("contacts", 1, "y", [0.05, -0.05]),
-            "contacts.1.y",
-            marks=pytest.mark.xfail(strict=True, reason="checked after 'origin inside the sole'"),
-        ),
-        pytest.param(
-            put("tasks", 0, "axes", []),
-            "tasks.0.axes",
-            marks=pytest.mark.xfail(strict=True, reason="a task without axes is let in"),
-        ),
-        pytest.param(
-            put("tasks", 1, "axes", []),
-            "tasks.1.axes",
-            marks=pytest.mark.xfail(strict=True, reason="a task without axes is let in"),
-        ),
-        pytest.param(
-            put("tasks", 0, "axes", ["z", "z"]),
-            "tasks.0.axes",
-            marks=pytest.mark.xfail(strict=True, reason="an axis twice is let in"),
-        ),
-        pytest.param(
-            put("contacts", 0, "friction", True),
-            "contacts.0.friction",
-            marks=pytest.mark.xfail(strict=True, reason="'friction: yes' is read as 1.0"),
-        ),
+        pytest.param(drop("tasks", 1, "frame"), "tasks.1.frame"),
+        pytest.param(drop("contacts", 1, "frame"), "contacts.1.frame"),
+        pytest.param(put("contacts", 1, "y", [0.05, -0.05]), "contacts.1.y"),
+        pytest.param(put("tasks", 0, "axes", []), "tasks.0.axes"),
+        pytest.param(put("tasks", 1, "axes", []), "tasks.1.axes"),
+        pytest.param(put("tasks", 0, "axes", ["z", "z"]), "tasks.0.axes"),
+        pytest.param(put("contacts", 0, "friction", True), "contacts.0.friction"),
     ],
 )
 def test_finer_points(edit: Edit, field: str, write_robot: WriteRobot) -> None:

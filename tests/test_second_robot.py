@@ -99,7 +99,6 @@ def sources() -> list[Path]:
     ]
 
 
-@pytest.mark.xfail(strict=True, reason="recording.py names the shipped robot in a docstring")
 def test_no_source_knows_a_robot_by_name() -> None:
     names = list(tsd_models.robot_files())
     assert names

@@ -87,10 +87,6 @@ def test_entries_are_listed_with_units() -> None:
         assert part in text
 
 
-# defects found while these tests were written
-
-
-@pytest.mark.xfail(strict=True, reason="columns that may wrap shrink to nothing at 112 columns")
 def test_entries_are_listed_with_what_is_served_and_how_good_it_is() -> None:
     reply = DatabaseReply(database="/tmp/d.sqlite", entries=[an_entry(0), an_entry(1)])
     text = " ".join(printed(lambda: tables.print_entries(reply)).split())

@@ -10,9 +10,12 @@ import casadi as ca
 from tsd_casadi.inverse_dynamics import InverseDynamics
 from tsd_casadi.posture import DAMPING
 
-# Bound of a row's violation, measured by DAQP in the metric of the cost. The
-# lightest weight, 1e-6 on forces, turns 1e-9 into at most 1e-6 N.
-PRIMAL_TOLERANCE = 1e-9
+# Bound of a row's violation, measured by DAQP in the metric of the cost, where
+# light weights on forces make a newton small.
+PRIMAL_TOLERANCE = 1e-10
+# What a solution may violate a limit by, as a share of 1 + |limit|; more is told
+# as a failure.
+LIMIT_TOLERANCE = 1e-6
 # Some 30 times what stressed states need.
 ITERATION_LIMIT = 400
 # The hand-written part, in native/.
@@ -56,6 +59,7 @@ def _header(problem: InverseDynamics) -> str:
         "N_EQUALITIES": problem.n_equalities,
         "POSTURE_DAMPING": DAMPING,
         "PRIMAL_TOLERANCE": PRIMAL_TOLERANCE,
+        "LIMIT_TOLERANCE": LIMIT_TOLERANCE,
         "ITERATION_LIMIT": ITERATION_LIMIT,
         "QUATERNION_TOLERANCE": QUATERNION_TOLERANCE,
     }

@@ -61,7 +61,14 @@ class Command:
 
         Args:
             state: q and v in Pinocchio's conventions.
+
+        Raises:
+            InvalidValue: If q or v has another size.
         """
+        for name, value, place in (("q", state.q, self._q), ("v", state.v, self._v)):
+            if np.shape(value) != (place.stop - place.start,):
+                size = place.stop - place.start
+                raise InvalidValue(name, f"of shape {np.shape(value)}", f"shape ({size},)")
         self.request[self._q] = state.q
         self.request[self._v] = state.v
 

@@ -112,8 +112,19 @@ class Controller:
             The reply, (format.reply.size,).
 
         Raises:
-            InvalidValue: If a number is not finite or out of range.
+            InvalidValue: If a number is not finite or out of range, or the
+                vector is not what C can read.
         """
+        if (
+            request.shape != (self.format.request.size,)
+            or request.dtype != np.float64
+            or not request.flags.c_contiguous
+        ):
+            raise InvalidValue(
+                "request",
+                f"{request.dtype} of shape {request.shape}",
+                f"contiguous float64 of shape ({self.format.request.size},)",
+            )
         reply = np.empty(self.format.reply.size)
         refused = self._compiled.tick_run(self._context, request.ctypes.data, reply.ctypes.data)
         if refused:

@@ -15,7 +15,7 @@ import numpy as np
 import platformdirs
 
 from tsd_casadi.entry import Entry, Iteration
-from tsd_casadi.exceptions import DatabaseError, EntryNotFound
+from tsd_casadi.exceptions import DatabaseError, EntryNotFound, InvalidValue
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.generalization import WeightRegression
 from tsd_casadi.motions.squat import UNITS
@@ -45,6 +45,7 @@ CREATE TABLE iteration (
     number INTEGER NOT NULL,
     weights TEXT NOT NULL,        -- JSON, k rows of L numbers [m/s^2]
     errors TEXT,                  -- JSON object, NULL while untested
+    gains TEXT,                   -- JSON object, the gains of that test
     PRIMARY KEY (entry, number)
 );
 """
@@ -85,7 +86,14 @@ class Database:
             ) from error
         try:
             self._prepare()
-        except sqlite3.Error as error:
+        except sqlite3.OperationalError as error:
+            self._connection.close()
+            raise DatabaseError(
+                self.path,
+                f"cannot be read ({error})",
+                "check permissions, free disk space and whether another process holds it",
+            ) from error
+        except sqlite3.DatabaseError as error:
             self._connection.close()
             raise DatabaseError(
                 self.path,
@@ -112,13 +120,8 @@ class Database:
             robot: Only of this robot.
             task: Only of this task.
         """
-        rows = self._execute(
-            "SELECT id, robot, task, axes, parameters, basis_size, basis_width, context, "
-            "learning_gain, rule, updated FROM entry "
-            "WHERE (?1 IS NULL OR robot = ?1) AND (?2 IS NULL OR task = ?2) ORDER BY id",
-            (robot, task),
-        )
-        return [self._entry(row) for row in rows]
+        with self._transaction():
+            return self._read(robot, task)
 
     def record(self, recording: Recording) -> tuple[Entry, list[str]]:
         """Take in one repetition and learn from it.
@@ -132,7 +135,7 @@ class Database:
         Raises:
             IncompatibleEntry: If it does not fit the entry.
         """
-        with self._transaction():
+        with self._transaction("IMMEDIATE"):
             entry = self._find(recording.key)
             if entry is not None and recording.restart:
                 self._delete(entry.identifier)
@@ -155,8 +158,8 @@ class Database:
         Raises:
             EntryNotFound: If there is none of that number.
         """
-        with self._transaction():
-            for entry in self.entries():
+        with self._transaction("IMMEDIATE"):
+            for entry in self._read():
                 if entry.identifier == identifier:
                     self._delete(identifier)
                     return entry
@@ -186,14 +189,23 @@ class Database:
             The feedforward.
 
         Raises:
+            InvalidValue: If a parameter is missing or the kind unknown.
             EntryNotFound: If nothing fits.
             OutsideTrainedRange: If it would be an extrapolation.
         """
+        if kind not in (None, "learned", "generalised"):
+            raise InvalidValue("kind", repr(kind), "learned or generalised")
+        missing = [name for name in UNITS if name not in parameters]
+        if missing:
+            raise InvalidValue(
+                "the query", f"without {' and '.join(missing)}", f"all of {', '.join(UNITS)}"
+            )
         entries = self._candidates(task, robot)
         wanted = tuple(sorted((name, round(value, 6)) for name, value in parameters.items()))
         exact = [entry for entry in entries if entry.key.parameters == wanted]
         if exact and kind in (None, "learned"):
-            return exact[0].feedforward()
+            # the same parameters with other axes are another entry: the newest counts
+            return max(exact, key=lambda entry: (entry.updated, entry.identifier)).feedforward()
         if kind == "learned":
             raise EntryNotFound(
                 f"nothing was learned for {_describe(task, wanted)}; there is "
@@ -268,8 +280,17 @@ class Database:
             raise EntryNotFound(f"name the robot, the database knows {', '.join(robots)}")
         return entries
 
+    def _read(self, robot: str | None = None, task: str | None = None) -> list[Entry]:
+        rows = self._execute(
+            "SELECT id, robot, task, axes, parameters, basis_size, basis_width, context, "
+            "learning_gain, rule, updated FROM entry "
+            "WHERE (?1 IS NULL OR robot = ?1) AND (?2 IS NULL OR task = ?2) ORDER BY id",
+            (robot, task),
+        )
+        return [self._entry(row) for row in rows]
+
     def _find(self, key: TaskKey) -> Entry | None:
-        for entry in self.entries(key.robot, key.task):
+        for entry in self._read(key.robot, key.task):
             if entry.key == key:
                 return entry
         return None
@@ -277,9 +298,15 @@ class Database:
     def _entry(self, row: tuple[Any, ...]) -> Entry:
         axes, parameters, context = (json.loads(row[i]) for i in (3, 4, 7))
         iterations = [
-            Iteration(number, np.array(json.loads(weights)), json.loads(errors) if errors else None)
-            for number, weights, errors in self._execute(
-                "SELECT number, weights, errors FROM iteration WHERE entry = ? ORDER BY number",
+            Iteration(
+                number,
+                np.array(json.loads(weights)),
+                json.loads(errors) if errors else None,
+                json.loads(gains) if gains else None,
+            )
+            for number, weights, errors, gains in self._execute(
+                "SELECT number, weights, errors, gains FROM iteration WHERE entry = ? "
+                "ORDER BY number",
                 (row[0],),
             )
         ]
@@ -327,12 +354,14 @@ class Database:
         self._execute("DELETE FROM iteration WHERE entry = ?", (entry.identifier,))
         for iteration in entry.iterations:
             self._execute(
-                "INSERT INTO iteration (entry, number, weights, errors) VALUES (?, ?, ?, ?)",
+                "INSERT INTO iteration (entry, number, weights, errors, gains) "
+                "VALUES (?, ?, ?, ?, ?)",
                 (
                     entry.identifier,
                     iteration.number,
                     json.dumps(iteration.weights.tolist()),
                     json.dumps(iteration.errors) if iteration.errors else None,
+                    json.dumps(iteration.gains) if iteration.errors else None,
                 ),
             )
 
@@ -340,21 +369,35 @@ class Database:
         self._execute("DELETE FROM entry WHERE id = ?", (identifier,))
 
     def _prepare(self) -> None:
+        if not self._is_ours():
+            # another process may be making the same file: look again once it is done
+            self._connection.execute("BEGIN IMMEDIATE")
+            if not self._is_ours():
+                for statement in SCHEMA.split(";\n")[:-1]:
+                    self._connection.execute(statement)
+                self._connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+                self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+            self._connection.execute("COMMIT")
+        self._connection.execute("PRAGMA foreign_keys = ON")
+
+    def _is_ours(self) -> bool:
+        """Whether the file has our tables; False for a new file.
+
+        Raises:
+            sqlite3.DatabaseError: If it is somebody else's.
+        """
         (tables,) = self._connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
         (application,) = self._connection.execute("PRAGMA application_id").fetchone()
         (version,) = self._connection.execute("PRAGMA user_version").fetchone()
         if tables == 0 and application == 0:
-            self._connection.executescript(
-                f"BEGIN; {SCHEMA} PRAGMA application_id = {APPLICATION_ID}; "
-                f"PRAGMA user_version = {SCHEMA_VERSION}; COMMIT;"
-            )
-        elif application != APPLICATION_ID:
+            return False
+        if application != APPLICATION_ID:
             raise sqlite3.DatabaseError("another application's file")
-        elif version != SCHEMA_VERSION:
+        if version != SCHEMA_VERSION:
             raise sqlite3.DatabaseError(
                 f"schema version {version}, this software knows {SCHEMA_VERSION}"
             )
-        self._connection.execute("PRAGMA foreign_keys = ON")
+        return True
 
     def _execute(self, statement: str, values: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
         try:
@@ -367,14 +410,15 @@ class Database:
             ) from error
 
     @contextmanager
-    def _transaction(self) -> Iterator[None]:
-        self._execute("BEGIN IMMEDIATE")
+    def _transaction(self, kind: str = "DEFERRED") -> Iterator[None]:
+        self._execute(f"BEGIN {kind}")
         try:
             yield
-        except BaseException:
-            self._execute("ROLLBACK")
-            raise
-        self._execute("COMMIT")
+            self._execute("COMMIT")
+        finally:
+            # after a failure, a failed COMMIT included, unless SQLite did it itself
+            if self._connection.in_transaction:
+                self._connection.rollback()
 
 
 def _describe(task: str, parameters: tuple[tuple[str, float], ...]) -> str:

@@ -23,7 +23,11 @@ RUNTIME = (
     "(rx:(worker_threads:1),tx:(handover:rx),net:(handover:rx),acc:(handover:rx),app:(handover:rx))"
 )
 
-_ENDPOINT = re.compile(r"^(tcp|udp|tls|quic|ws|unixsock-stream)/[^\s]+$")
+_ENDPOINT = re.compile(
+    r"(tcp|udp|tls|quic|ws)/(?P<host>\[[0-9a-fA-F:.%]+\]|[^\s/:]+):(?P<port>[0-9]{1,5})"
+    r"|unixsock-stream/[^\s]+",
+    re.ASCII,
+)
 
 
 def check_endpoint(endpoint: str) -> str:
@@ -38,10 +42,8 @@ def check_endpoint(endpoint: str) -> str:
     Raises:
         InvalidValue: If it is none.
     """
-    well_formed = _ENDPOINT.match(endpoint)
-    port = endpoint.rpartition(":")[2]
-    has_port = endpoint.startswith("unixsock-stream/") or (port.isdigit() and 0 < int(port) < 65536)
-    if not well_formed or not has_port:
+    match = _ENDPOINT.fullmatch(endpoint)
+    if match is None or not 0 < int(match["port"] or 1) < 65536:
         raise InvalidValue(
             "endpoint", repr(endpoint), "PROTOCOL/ADDRESS:PORT, for instance tcp/127.0.0.1:7447"
         )

@@ -25,11 +25,13 @@ class Iteration:
         number: 0 for no feedforward, then counting up.
         weights: (k, L) [m/s^2].
         errors: Measures of the repetition that used them, None while untested.
+        gains: The gains of that repetition.
     """
 
     number: int
     weights: Matrix
     errors: dict[str, float] | None = None
+    gains: dict[str, Any] | None = None
 
     @property
     def error(self) -> float:
@@ -63,8 +65,12 @@ class Entry:
 
     @property
     def best(self) -> Iteration:
-        """The tested iteration with the smallest error."""
-        return min(self.iterations, key=lambda iteration: iteration.error)
+        """The tested iteration with the smallest error at the newest gains.
+
+        Errors at other gains say nothing about the weights.
+        """
+        comparable = [item for item in self.iterations if item.gains == self.context.gains]
+        return min(comparable or self.iterations, key=lambda iteration: iteration.error)
 
     @property
     def served(self) -> Iteration:
@@ -115,14 +121,15 @@ class Entry:
         self.context = recording.context
         self.rule = recording.rule
         used = self._find(recording.applied)
-        others = [other.error for other in self.iterations if other is not used]
-        used.errors = dict(recording.errors)
-        if recording.rule == "guarded" and used.error > min(others, default=float("inf")):
-            self.learning_gain /= 2
+        is_new = used.errors is None
+        used.errors, used.gains = dict(recording.errors), recording.context.gains
+        if recording.rule == "guarded" and used.error > self.best.error:
+            if is_new:
+                self.learning_gain /= 2
             notes.append(
                 f"iteration {used.number} is worse than iteration {self.best.number} "
                 f"({1e3 * used.error:.4g} mm against {1e3 * self.best.error:.4g} mm RMS): "
-                f"serving {self.best.number} again, learning gain now {self.learning_gain:g}"
+                f"serving {self.best.number} again, learning gain {self.learning_gain:g}"
             )
             return notes
         if recording.update:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 
 class TsdError(Exception):
@@ -18,6 +19,17 @@ class TsdError(Exception):
     """
 
     code = "error"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by attributes, since the constructors' arguments differ."""
+        return _restore, (type(self), self.args, self.__dict__)
+
+
+def _restore(kind: type[TsdError], arguments: tuple[Any, ...], data: dict[str, Any]) -> TsdError:
+    error = kind.__new__(kind)
+    error.args = arguments
+    error.__dict__.update(data)
+    return error
 
 
 class RobotFileError(TsdError):

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import from_json
 
 from tsd_casadi.entry import Entry
 from tsd_casadi.exceptions import MalformedMessage, TsdError
@@ -27,7 +28,7 @@ AnyMessage = TypeVar("AnyMessage", bound="Message")
 class Message(BaseModel):
     """A JSON message; unknown fields are refused."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     def encode(self) -> bytes:
         """The message as UTF-8 JSON."""
@@ -44,7 +45,12 @@ class Message(BaseModel):
             MalformedMessage: If it is no JSON or a field is wrong.
         """
         try:
-            return cls.model_validate_json(payload)
+            # NaN and infinity are no JSON, not even where any value may stand
+            document = from_json(payload, allow_inf_nan=False)
+        except ValueError as error:
+            raise MalformedMessage(f"{cls.__name__}: {error}", "a JSON object") from error
+        try:
+            return cls.model_validate(document)
         except ValidationError as error:
             first = error.errors()[0]
             where = ".".join(map(str, first["loc"])) or "message"
@@ -87,8 +93,8 @@ class FieldMessage(Message):
     """
 
     name: str
-    offset: int
-    size: int
+    offset: Annotated[int, Field(ge=0)]
+    size: Annotated[int, Field(ge=1, le=100_000)]
     unit: str
     description: str
     lower: float
@@ -109,7 +115,15 @@ def _field_messages(layout: Layout) -> list[FieldMessage]:
 
 
 def _layout(fields: list[FieldMessage]) -> Layout:
-    return Layout(tuple(LayoutField(**part.model_dump(exclude={"offset"})) for part in fields))
+    layout = Layout(tuple(LayoutField(**part.model_dump(exclude={"offset"})) for part in fields))
+    for part in fields:
+        start = layout.slice(part.name).start
+        if part.offset != start or len(part.default) not in (0, part.size):
+            raise MalformedMessage(
+                f"field {part.name} at {part.offset}, {len(part.default)} defaults",
+                f"it at {start}, with {part.size} defaults or none",
+            )
+    return layout
 
 
 class InfoMessage(Message):
@@ -229,7 +243,9 @@ class BasisMessage(Message):
             MalformedMessage: If the centres are not 2 pi j / L.
         """
         basis = PeriodicBasis(self.L, self.width)
-        if len(self.centres) != self.L or not np.allclose(self.centres, basis.centres, atol=1e-9):
+        if len(self.centres) != self.L or not np.allclose(
+            self.centres, basis.centres, rtol=0, atol=1e-9
+        ):
             raise MalformedMessage("basis.centres", "2 pi j / L for j = 0 ... L - 1")
         return basis
 
@@ -254,7 +270,7 @@ class FeedforwardMessage(Message):
     format: Literal["tsd.feedforward/1"] = "tsd.feedforward/1"
     robot: str
     task: str
-    axes: tuple[str, ...]
+    axes: Annotated[tuple[str, ...], Field(min_length=1)]
     parameters: dict[str, QuantityMessage]
     unit: Literal["m/s^2"] = "m/s^2"
     basis: BasisMessage
@@ -288,11 +304,20 @@ class FeedforwardMessage(Message):
             MalformedMessage: If the shapes do not fit.
         """
         shape = (len(self.axes), self.basis.L)
+        for name, quantity in self.parameters.items():
+            if quantity.unit != UNITS.get(name):
+                raise MalformedMessage(
+                    f"parameter {name} in {quantity.unit}",
+                    f"{UNITS.get(name, 'no such parameter')}",
+                )
+        deviations = _matrix("standard_deviations", self.standard_deviations, shape)
+        if (deviations < 0).any():
+            raise MalformedMessage("a negative standard deviation", "none below zero")
         return Feedforward(
             axes=self.axes,
             basis=self.basis.basis(),
             weights=_matrix("weights", self.weights, shape),
-            standard_deviations=_matrix("standard_deviations", self.standard_deviations, shape),
+            standard_deviations=deviations,
             kind=self.kind,
             parameters={name: quantity.value for name, quantity in self.parameters.items()},
             provenance=self.provenance,

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
+import numpy as np
+
+from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.laps import Lap
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix
@@ -37,7 +40,7 @@ class TaskKey:
         return cls(robot, task, axes, rounded)
 
     def describe(self) -> str:
-        """For people: 'squat amplitude=0.03 frequency=0.25 on hermes_lower'."""
+        """For people: 'squat amplitude=0.03 frequency=0.25 on my_robot'."""
         values = " ".join(f"{name}={value:g}" for name, value in self.parameters)
         return f"{self.task} {values} on {self.robot}"
 
@@ -84,3 +87,19 @@ class Recording:
     rule: Rule = "guarded"
     update: bool = True
     restart: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that nothing can be learned from.
+
+        Raises:
+            InvalidValue: If weights, laps or errors are not finite.
+        """
+        if not np.isfinite(self.errors.get("rms_error_m", np.nan)):
+            raise InvalidValue("rms_error_m", self.errors.get("rms_error_m"), "a number of metres")
+        for name, values in (
+            ("the applied weights", self.applied),
+            *((f"lap {index}", lap.feedback) for index, lap in enumerate(self.laps)),
+            *((f"lap {index}", lap.phase) for index, lap in enumerate(self.laps)),
+        ):
+            if not np.isfinite(values).all():
+                raise InvalidValue(name, "not finite", "finite numbers")

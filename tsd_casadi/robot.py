@@ -132,7 +132,8 @@ class Robot:
             raise RobotFileError(
                 self.urdf_path, "", f"cannot be parsed ({error})", "a valid URDF"
             ) from error
-        if model.nv != 6 + model.njoints - 2:
+        n = model.njoints - 2
+        if model.nv != 6 + n or model.nq != 7 + n:
             raise RobotFileError(
                 self.urdf_path,
                 "",

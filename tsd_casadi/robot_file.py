@@ -10,9 +10,10 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from tsd_casadi.exceptions import RobotFileError
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
+# strict: YAML's yes and no are not numbers
+Positive = Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(strict=True, ge=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 
 COM_AXES = ("x", "y", "z")
@@ -220,9 +221,10 @@ def read_robot_file(path: Path) -> RobotFile:
         robot_file = RobotFile.model_validate(document)
     except ValidationError as error:
         first = error.errors()[0]
-        field = (
-            ".".join(str(part) for part in first["loc"] if part not in ("com", "frame")) or "robot"
-        )
+        location = list(first["loc"])
+        if location[:1] == ["tasks"]:
+            del location[2:3]  # the task's type, which pydantic puts in between
+        field = ".".join(map(str, location)) or "robot"
         found = _describe(first["type"], first.get("input"))
         raise RobotFileError(path, field, found, _expectation(first)) from error
     _check_ranges(path, robot_file)
@@ -254,6 +256,10 @@ def _check_ranges(path: Path, robot_file: RobotFile) -> None:
     ]
     for index, contact in enumerate(robot_file.contacts):
         ranges += [(f"contacts.{index}.x", contact.x), (f"contacts.{index}.y", contact.y)]
+    for field, (low, high) in ranges:
+        if low >= high:
+            raise RobotFileError(path, field, f"is [{low}, {high}]", "the low value first")
+    for index, contact in enumerate(robot_file.contacts):
         if not (contact.x[0] < 0 < contact.x[1] and contact.y[0] < 0 < contact.y[1]):
             raise RobotFileError(
                 path,
@@ -261,9 +267,14 @@ def _check_ranges(path: Path, robot_file: RobotFile) -> None:
                 "the frame's origin is not inside the sole",
                 "x and y ranges around zero",
             )
-    for field, (low, high) in ranges:
-        if low >= high:
-            raise RobotFileError(path, field, f"is [{low}, {high}]", "the low value first")
+    for index, task in enumerate(robot_file.tasks):
+        if not task.axes or len(set(task.axes)) < len(task.axes):
+            raise RobotFileError(
+                path,
+                f"tasks.{index}.axes",
+                f"is {list(task.axes)}",
+                "at least one axis, none twice",
+            )
     names = [part.name for part in (*robot_file.contacts, *robot_file.tasks)]
     reserved = ("posture", "limits", "regularization", "safe_torque", "q", "v")
     for name in names:

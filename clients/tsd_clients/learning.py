@@ -81,9 +81,10 @@ def learn(
     """
     if iterations < 1:
         raise InvalidValue("iterations", iterations, "at least 1")
-    runs = []
     for motion in motions:
         motion.check(simulator.robot)
+    runs = []
+    for motion in motions:
         for index in range(iterations + 1):
             fresh = restart and index == 0
             feedforward = None if fresh else _served(learner, simulator.robot.name, motion)
@@ -142,6 +143,12 @@ def record_of(
         raise SimulationError(
             f"the robot fell in {run.motion.name} {what}; nothing was recorded. Try a smaller "
             "motion, a smaller model error or a larger P"
+        )
+    if run.failures:
+        kinds = ", ".join(f"{count} {kind}" for kind, count in run.failures.items())
+        raise SimulationError(
+            f"the controller answered ticks of {run.motion.name} {what} with a safe torque "
+            f"({kinds}); nothing was recorded. Look at limits, weights and friction"
         )
     if not run.steady:
         raise SimulationError(

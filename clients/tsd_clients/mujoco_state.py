@@ -48,6 +48,7 @@ class StateMap:
         self._q_base = int(model.jnt_qposadr[free[0]])
         self._v_base = int(model.jnt_dofadr[free[0]])
         joints = [self._joint(model, name) for name in robot.joint_names]
+        self._refuse_others(model, {int(free[0]), *joints})
         self._q_joints = np.array([model.jnt_qposadr[joint] for joint in joints])
         self._v_joints = np.array([model.jnt_dofadr[joint] for joint in joints])
         self.actuators = np.array(
@@ -130,11 +131,31 @@ class StateMap:
             if model.actuator_trnid[i, 0] == joint
             and model.actuator_trntype[i] == mujoco.mjtTrn.mjTRN_JOINT
         ]
-        if len(found) != 1:
+        if len(found) != 1 or not _is_motor(model, found[0]):
             raise RobotFileError(
                 self._scene,
                 f"actuator of joint {name}",
-                f"there are {len(found)}",
-                "exactly one <motor>, which applies its control as torque",
+                f"there are {len(found)}" if len(found) != 1 else "is no plain motor",
+                "exactly one <motor> with gear 1, which applies its control as torque",
             )
         return found[0]
+
+    def _refuse_others(self, model: Any, known: set[int]) -> None:
+        others = [model.joint(i).name or f"number {i}" for i in range(model.njnt) if i not in known]
+        if others:
+            raise RobotFileError(
+                self._scene,
+                f"joint {', '.join(others)}",
+                "is not in the URDF",
+                "the same joints in both, fixed ones left out",
+            )
+
+
+def _is_motor(model: Any, actuator: int) -> bool:
+    return bool(
+        model.actuator_gaintype[actuator] == mujoco.mjtGain.mjGAIN_FIXED
+        and model.actuator_gainprm[actuator, 0] == 1.0
+        and model.actuator_biastype[actuator] == mujoco.mjtBias.mjBIAS_NONE
+        and model.actuator_dyntype[actuator] == mujoco.mjtDyn.mjDYN_NONE
+        and model.actuator_gear[actuator, 0] == 1.0
+    )

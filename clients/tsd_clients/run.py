@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -55,19 +56,20 @@ class Run:
 
     @property
     def rms_error(self) -> float:
-        """RMS of the error as the controller sees it [m]."""
+        """RMS of the error as the controller sees it [m]; NaN if nothing was measured."""
         return _rms(self._measured("error"))
 
     @property
     def peak_error(self) -> float:
         """Largest absolute error as the controller sees it [m]."""
-        return float(np.max(np.abs(self._measured("error")), initial=0.0))
+        error = self._measured("error")
+        return float(np.max(np.abs(error))) if error.size else math.nan
 
     @property
     def ac_rms_error(self) -> float:
         """RMS of the error without its mean, as the controller sees it [m]."""
         error = self._measured("error")
-        return _rms(error - error.mean()) if error.size else 0.0
+        return _rms(error - error.mean()) if error.size else math.nan
 
     @property
     def true_rms_error(self) -> float:
@@ -78,7 +80,7 @@ class Run:
     def mean_abs_feedback(self) -> float:
         """Mean absolute feedback term [m/s^2]."""
         feedback = self._measured("feedback")
-        return float(np.mean(np.abs(feedback))) if feedback.size else 0.0
+        return float(np.mean(np.abs(feedback))) if feedback.size else math.nan
 
     @property
     def tick_us(self) -> dict[str, float]:
@@ -101,7 +103,7 @@ class Run:
         }
 
     def summary(self) -> dict[str, Any]:
-        """Everything but the log, as plain data for JSON."""
+        """Everything but the log, as plain data for JSON; null where nothing was measured."""
         parameters = self.motion.parameters
         return {
             "robot": self.robot,
@@ -112,7 +114,7 @@ class Run:
             "feedforward": self.feedforward.kind,
             "iteration": self.feedforward.iteration,
             "gains": self.gains,
-            **self.errors(),
+            **{name: None if math.isnan(x) else x for name, x in self.errors().items()},
             "steady": self.steady,
             "laps_run": self.laps_run,
             "laps_measured": len(self.laps),
@@ -154,4 +156,4 @@ LOG_UNITS = {
 
 
 def _rms(values: Vector) -> float:
-    return float(np.sqrt(np.mean(values**2))) if values.size else 0.0
+    return float(np.sqrt(np.mean(values**2))) if values.size else math.nan

@@ -35,6 +35,7 @@ START_NOISE = 2e-3
 EXTRA_LAPS = 12
 # of the home height of the centre of mass
 FALL_HEIGHT = 0.6
+FLIGHT_HEIGHT = 2.0
 
 Progress = Callable[[float, float], None]
 
@@ -72,6 +73,10 @@ class MujocoSimulator:
             ) from error
         check_parity(robot, model)
         model.opt.timestep = TIMESTEP
+        # positions, then velocities, then forces: what mj_step1 and mj_step2 do
+        model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
+        # a simulation that blew up is a fall, not a new start
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         model.body_mass[:] /= 1 + model_error
         model.body_inertia[:] /= 1 + model_error
         mujoco.mj_setConst(model, mujoco.MjData(model))
@@ -195,6 +200,7 @@ class _Repetition:
         self._wrenches = tick_format.reply.slice("wrenches")
         self._data = simulator.start(seed)
         self._fall_height = FALL_HEIGHT * float(robot.home_com[2])
+        self._flight_height = FLIGHT_HEIGHT * float(robot.home_com[2])
         self._columns: dict[str, list[Any]] = {name: [] for name in _COLUMNS}
         self._laps: list[Lap] = []
         self._lap_starts: list[int] = []
@@ -294,6 +300,10 @@ class _Repetition:
         mujoco.mj_step1(self._simulator.model, data)
         state = state_map.read(data)
         com = data.subtree_com[state_map.base_body]
+        # NaN is a fall as well
+        if not self._fall_height < com[2] < self._flight_height:
+            self._fell = True
+            return
         before = perf_counter()
         tick = self._controller.tick(state, self._command)
         after = perf_counter()
@@ -320,7 +330,6 @@ class _Repetition:
             column.append(value)
         data.ctrl[state_map.actuators] = tick.tau
         mujoco.mj_step2(self._simulator.model, data)
-        self._fell = not com[2] > self._fall_height
 
 
 _COLUMNS = (

@@ -12,7 +12,7 @@ from rich.table import Table
 from tsd_casadi.messages import DatabaseReply, EntryMessage
 
 # tables need this many columns; pipes and narrow terminals get them as well
-WIDTH = 112
+WIDTH = 120
 console = Console()
 if console.width < WIDTH:
     console = Console(width=WIDTH)
@@ -42,15 +42,19 @@ def print_runs(title: str, summaries: Sequence[dict[str, Any]]) -> None:
         table.add_row(
             summary["label"] + _remarks(summary),
             *[
-                f"{1e3 * summary[name]:.4f}"
+                _number(summary[name], 1e3, 4)
                 for name in ("rms_error_m", "peak_error_m", "ac_rms_error_m", "true_rms_error_m")
             ],
-            f"{summary['mean_abs_feedback']:.5f}",
+            _number(summary["mean_abs_feedback"], 1.0, 5),
             f"{summary['laps_measured']}/{summary['laps_run']}",
             f"{summary['tick_us']['p50']:.0f}",
             f"{summary['tick_us']['p99']:.0f}",
         )
     console.print(table)
+
+
+def _number(value: float | None, scale: float, digits: int) -> str:
+    return "-" if value is None else f"{scale * value:.{digits}f}"
 
 
 def _remarks(summary: dict[str, Any]) -> str:
@@ -92,11 +96,11 @@ def print_entries(reply: DatabaseReply) -> None:
         box=box.SIMPLE_HEAD,
         padding=(0, 1),
     )
-    for heading in ("entry", "robot", "task", "parameters", "iterations"):
+    for heading in ("entry", "robot", "task", "parameters", "iter-\nations"):
         table.add_column(heading, no_wrap=True)
     for heading in ("served", "its RMS\nmm", "its AC RMS\nmm"):
-        table.add_column(heading, justify="right")
-    table.add_column("updated", no_wrap=True)
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("updated, UTC", no_wrap=True)
     for entry in reply.entries:
         errors = dict(entry.iterations).get(entry.served)
         table.add_row(
@@ -108,7 +112,7 @@ def print_entries(reply: DatabaseReply) -> None:
             str(entry.served),
             f"{1e3 * errors['rms_error_m']:.4f}" if errors else "untested",
             f"{1e3 * errors['ac_rms_error_m']:.4f}" if errors else "",
-            entry.updated.replace("+00:00", "Z"),
+            entry.updated[:16].replace("T", " "),
         )
     console.print(table)
 

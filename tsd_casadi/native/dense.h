@@ -13,12 +13,17 @@ static inline void add_multiple(int n, double a, const double* restrict x, doubl
   for (int i = 0; i < n; i++) y[i] += a * x[i];
 }
 
+/* A pivot below this share of its diagonal is rounding, not information. */
+#define PIVOT_TOLERANCE 1e-12
+
 /* Upper triangular U with U^T U = G, in place of G's upper triangle. Returns 0,
- * or -1 if a pivot is not positive (or NaN). */
+ * or -1 if G is not positive definite (or has NaN). */
 static inline int cholesky(int n, double* restrict G) {
+  double least[n];
+  for (int k = 0; k < n; k++) least[k] = PIVOT_TOLERANCE * G[k * n + k];
   for (int k = 0; k < n; k++) {
     double* restrict row = G + k * n;
-    if (!(row[k] > 0.0)) return -1;
+    if (!(row[k] > 0.0 && row[k] >= least[k])) return -1;
     const double inverse = 1.0 / sqrt(row[k]);
     for (int j = k; j < n; j++) row[j] *= inverse;
     for (int i = k + 1; i < n; i++) add_multiple(n - i, -row[i], row + i, G + i * n + i);

@@ -78,9 +78,10 @@ void reduce_cost(const double* H_qdd, const double* H_lambda, const double* g,
 int solve_unconstrained(struct elimination* s, double* x) {
   memcpy(s->U, s->H, sizeof s->U);
   if (cholesky(N_Y, s->U)) return -1;
+  memcpy(s->v_g, s->g, sizeof s->v_g);
+  solve_transposed(N_Y, s->U, 1, s->v_g);
   double y[N_Y];
-  for (int i = 0; i < N_Y; i++) y[i] = -s->g[i];
-  solve_transposed(N_Y, s->U, 1, y);
+  for (int i = 0; i < N_Y; i++) y[i] = -s->v_g[i];
   solve_upper(N_Y, s->U, y);
   expand(s, y, x);
   return 0;
@@ -96,25 +97,41 @@ void expand(const struct elimination* s, const double* y, double* x) {
 
 void reduce_rows(const double* A, const double* lower, const double* upper,
                  struct elimination* s) {
-  /* the joints' simple bounds first, then the general inequalities */
-  for (int i = 0; i < N_TAU; i++) {
-    const int r = N_V - N_TAU + i;
-    memcpy(s->A + i * N_Y, s->Z + r * N_Y, N_Y * sizeof(double));
-    s->lower[i] = lower[r] - s->x_0[r];
-    s->upper[i] = upper[r] - s->x_0[r];
-  }
-  double* rows = s->A + N_TAU * N_Y;
-  memset(rows, 0, N_INEQUALITIES * N_Y * sizeof(double));
-  double offset[N_INEQUALITIES];
+  /* the cost's scale, so that the rows have a size that DAQP can judge */
+  double largest = 0.0;
+  for (int i = 0; i < N_Y; i++) largest = fmax(largest, s->H[i * N_Y + i]);
+  s->scale = sqrt(largest);
+
+  /* A Z by columns: the joints' simple bounds, then the general inequalities */
+  double offset[N_REDUCED];
   memset(offset, 0, sizeof offset);
-  for (int r = 0; r < N_X; r++) {
-    const double* column = A + r * N_GENERAL + N_EQUALITIES;
-    add_multiple(N_INEQUALITIES, s->x_0[r], column, offset);
-    for (int i = 0; i < N_INEQUALITIES; i++)
-      if (column[i] != 0.0) add_multiple(N_Y, column[i], s->Z + r * N_Y, rows + i * N_Y);
+  memset(s->AZ, 0, sizeof s->AZ);
+  memcpy(offset, s->x_0 + N_V - N_TAU, N_TAU * sizeof(double));
+  for (int j = 0; j < N_Y; j++) {
+    double* column = s->AZ + j * N_REDUCED;
+    for (int i = 0; i < N_TAU; i++) column[i] = s->Z[(N_V - N_TAU + i) * N_Y + j];
+    for (int r = 0; r < N_X; r++)
+      add_multiple(N_INEQUALITIES, s->Z[r * N_Y + j], A + r * N_GENERAL + N_EQUALITIES,
+                   column + N_TAU);
   }
-  for (int i = 0; i < N_INEQUALITIES; i++) {
-    s->lower[N_TAU + i] = lower[N_V + N_EQUALITIES + i] - offset[i];
-    s->upper[N_TAU + i] = upper[N_V + N_EQUALITIES + i] - offset[i];
+  for (int r = 0; r < N_X; r++)
+    add_multiple(N_INEQUALITIES, s->x_0[r], A + r * N_GENERAL + N_EQUALITIES, offset + N_TAU);
+
+  /* in the metric of the cost, u = (U y + v_g) / scale */
+  solve_transposed(N_Y, s->U, N_REDUCED, s->AZ);
+  for (int j = 0; j < N_Y; j++)
+    add_multiple(N_REDUCED, -s->v_g[j], s->AZ + j * N_REDUCED, offset);
+  for (int i = 0; i < N_REDUCED; i++) {
+    for (int j = 0; j < N_Y; j++) s->A[i * N_Y + j] = s->scale * s->AZ[j * N_REDUCED + i];
+    const int row = i < N_TAU ? N_V - N_TAU + i : N_V + N_EQUALITIES + i - N_TAU;
+    s->lower[i] = lower[row] - offset[i];
+    s->upper[i] = upper[row] - offset[i];
   }
+}
+
+void expand_metric(const struct elimination* s, const double* u, double* x) {
+  double y[N_Y];
+  for (int i = 0; i < N_Y; i++) y[i] = s->scale * u[i] - s->v_g[i];
+  solve_upper(N_Y, s->U, y);
+  expand(s, y, x);
 }

@@ -66,10 +66,9 @@ struct tick* tick_create(const double* lower_accepted, const double* upper_accep
   memcpy(t->lower_accepted, lower_accepted, sizeof t->lower_accepted);
   memcpy(t->upper_accepted, upper_accepted, sizeof t->upper_accepted);
 
+  /* no H and no f: the rows come in the metric of the cost */
   t->problem = (DAQPProblem){.n = N_Y,
                              .m = N_REDUCED,
-                             .H = t->reduced.H,
-                             .f = t->reduced.g,
                              .A = t->reduced.A,
                              .bupper = t->reduced.upper,
                              .blower = t->reduced.lower};
@@ -89,11 +88,8 @@ struct tick* tick_create(const double* lower_accepted, const double* upper_accep
   work->dupper = malloc(N_REDUCED * sizeof(double));
   work->dlower = malloc(N_REDUCED * sizeof(double));
   work->sense = malloc(N_REDUCED * sizeof(int));
-  work->Rinv = malloc(N_Y * (N_Y + 1) / 2 * sizeof(double));
-  work->RinvD = NULL;
-  work->v = malloc(N_Y * sizeof(double));
-  if (!work->scaling || !work->M || !work->dupper || !work->dlower || !work->sense ||
-      !work->Rinv || !work->v) {
+  work->Rinv = work->RinvD = work->v = NULL;
+  if (!work->scaling || !work->M || !work->dupper || !work->dlower || !work->sense) {
     tick_free(t);
     return NULL;
   }
@@ -144,11 +140,17 @@ static int evaluate_data(struct tick* t, const double* request) {
   return all_finite(t->H_qdd, N_V * N_V) && all_finite(t->g, N_X) ? 0 : -1;
 }
 
-static int is_inside(const struct tick* t) {
+/* Is the value between its bounds, up to a share of 1 + |bound|? NaN is not. */
+static int is_between(double value, double lower, double upper, double tolerance) {
+  return value >= lower - tolerance * (1.0 + fabs(lower)) &&
+         value <= upper + tolerance * (1.0 + fabs(upper));
+}
+
+static int is_inside(const struct tick* t, double tolerance) {
   for (int i = N_V - N_TAU; i < N_V; i++)
-    if (!(t->x[i] >= t->lower[i] && t->x[i] <= t->upper[i])) return 0;
+    if (!is_between(t->x[i], t->lower[i], t->upper[i], tolerance)) return 0;
   for (int i = N_EQUALITIES; i < N_GENERAL; i++)
-    if (!(t->rows[i] >= t->lower[N_V + i] && t->rows[i] <= t->upper[N_V + i])) return 0;
+    if (!is_between(t->rows[i], t->lower[N_V + i], t->upper[N_V + i], tolerance)) return 0;
   return 1;
 }
 
@@ -173,13 +175,12 @@ static enum status status_of(int flag) {
   }
 }
 
-/* Set-up of DAQP: factors of H and the rows in its metric. */
+/* The reduced problem for DAQP. */
 static int prepare_inequalities(struct tick* t) {
   reduce_rows(t->A, t->lower, t->upper, &t->reduced);
   /* DAQP leaves the scaling of zero rows unwritten */
   for (int i = 0; i < N_REDUCED; i++) t->work.scaling[i] = 1.0;
-  const int flag =
-      update_ldp(UPDATE_Rinv | UPDATE_M | UPDATE_v | UPDATE_d | UPDATE_sense, &t->work);
+  const int flag = update_ldp(UPDATE_M | UPDATE_d | UPDATE_sense, &t->work);
   /* rows whose bounds coincide were marked active by the set-up */
   return flag < 0 ? flag : activate_constraints(&t->work);
 }
@@ -187,9 +188,10 @@ static int prepare_inequalities(struct tick* t) {
 static int solve_inequalities(struct tick* t) {
   const int flag = daqp_ldp(&t->work);
   if (flag > 0) {
-    ldp2qp_solution(&t->work);
-    expand(&t->reduced, t->work.x, t->x);
+    expand_metric(&t->reduced, t->work.u, t->x);
     evaluate_rows(t);
+    /* DAQP judges rows in the metric of the cost; what counts is newtons */
+    if (!is_inside(t, LIMIT_TOLERANCE)) return EXIT_ITERLIMIT;
   }
   return flag;
 }
@@ -239,7 +241,7 @@ int tick_run(struct tick* t, const double* request, double* reply) {
       if (solve_unconstrained(&t->reduced, t->x) == 0) {
         evaluate_rows(t);
         flag = EXIT_OPTIMAL;
-        if (!is_inside(t)) flag = prepare_inequalities(t) < 0 ? EXIT_INFEASIBLE : 0;
+        if (!is_inside(t, 0.0)) flag = prepare_inequalities(t) < 0 ? EXIT_INFEASIBLE : 0;
       }
     }
     factorized = microseconds();

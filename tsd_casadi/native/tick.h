@@ -19,7 +19,8 @@ struct elimination {
   double ET[N_X * N_EQUALITIES], v[N_EQUALITIES * N_X], beta[N_EQUALITIES];
   double x_0[N_X], Z[N_X * N_Y];
   double HZ[N_X * N_Y], Hx_g[N_X];
-  double H[N_Y * N_Y], g[N_Y], U[N_Y * N_Y];
+  double H[N_Y * N_Y], g[N_Y], U[N_Y * N_Y], v_g[N_Y]; /* U^T U = H, v_g = U^-T g */
+  double AZ[N_Y * N_REDUCED], scale;
   double A[N_REDUCED * N_Y], lower[N_REDUCED], upper[N_REDUCED];
 };
 
@@ -43,9 +44,13 @@ int solve_unconstrained(struct elimination* s, double* x);
 /* x = x_0 + Z y */
 void expand(const struct elimination* s, const double* y, double* x);
 
-/* Inequalities and their bounds in y: N_TAU joint accelerations, then the rows
- * of A after the equalities. */
+/* Inequalities and their bounds in u = (U y + v_g) / scale, where the cost is
+ * |u|^2: N_TAU joint accelerations, then the rows of A after the equalities.
+ * Comes after solve_unconstrained. */
 void reduce_rows(const double* A, const double* lower, const double* upper,
                  struct elimination* s);
+
+/* x of a point u */
+void expand_metric(const struct elimination* s, const double* u, double* x);
 
 #endif
