@@ -338,7 +338,7 @@ def test_light_force_weights_leave_the_torque_accurate_or_are_told(controller: C
     for weight in (1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-16):
         found = run(controller, put(left_foot__W_lambda=weight, right_foot__W_lambda=weight))
         if found.status != Status.SINGULAR:
-            np.testing.assert_allclose(found.tau, expected.tau, atol=1e-4)
+            np.testing.assert_allclose(found.tau, expected.tau, atol=5e-4)
 
 
 def accepted_values(field: Field) -> st.SearchStrategy[float]:

@@ -603,3 +603,50 @@ def test_names_of_rows_are_unique_and_counted(problem: InverseDynamics) -> None:
     equalities = names[problem.nv : problem.nv + problem.n_equalities]
     assert all("dynamics" in name or ".acceleration." in name for name in equalities)
     assert problem.task_names == [t.name for t in problem.robot.description.tasks]
+
+
+def lively(controller: Controller) -> Command:
+    command = random_command(controller.problem, np.random.default_rng(10), 0.05)
+    command["com.reference_acceleration"] = [0.3, 0.2, 0.5]
+    command["pelvis.reference_acceleration"] = [0.5, 0.4, 0.3]
+    return command
+
+
+@pytest.mark.parametrize("quantity", ["torque", "acceleration"])
+def test_each_joint_limit_alone_is_noticed(controller: Controller, quantity: str) -> None:
+    free = solve(controller, lively(controller)).tick
+    assert (free.status, free.active) == (Status.OK, [])
+    values = free.tau if quantity == "torque" else free.qdd[6:]
+    for index, joint in enumerate(controller.format.joints):
+        command = lively(controller)
+        command[f"limits.{quantity}"][index] = limit = 0.9 * abs(values[index])
+        tick = solve(controller, command).tick
+        found = (tick.tau if quantity == "torque" else tick.qdd[6:])[index]
+        assert tick.status == Status.OK
+        assert tick.active == [f"joint_{quantity}.{joint}"]
+        assert found == pytest.approx(np.copysign(limit, values[index]), abs=1e-8)
+
+
+def test_each_contact_row_alone_is_noticed(controller: Controller) -> None:
+    free = solve(controller, lively(controller)).tick
+    for name, (fx, fy, fz, mx, my, mz) in free.wrenches.items():
+        axis, pull = max(("x", fx), ("y", fy), key=lambda pair: abs(pair[1]))
+        ahead = -my / fz
+        aside = mx / fz
+        for field, value, row in (
+            ("minimum_force", fz + 1.0, "unilateral_force"),
+            (
+                "friction",
+                0.9 * np.sqrt(2) * abs(pull) / fz,
+                f"friction.{'+' if pull > 0 else '-'}{axis}",
+            ),
+            ("torsional_friction", 0.9 * abs(mz) / fz, f"normal_torque.{'+' if mz > 0 else '-'}z"),
+            ("extents", [-1, ahead - 1e-3, -1, 1], "center_of_pressure.+x"),
+            ("extents", [ahead + 1e-3, 1, -1, 1], "center_of_pressure.-x"),
+            ("extents", [-1, 1, -1, aside - 1e-3], "center_of_pressure.+y"),
+            ("extents", [-1, 1, aside + 1e-3, 1], "center_of_pressure.-y"),
+        ):
+            command = lively(controller)
+            command[f"{name}.{field}"] = value
+            tick = solve(controller, command).tick
+            assert (tick.status, tick.active) == (Status.OK, [f"{name}.{row}"])

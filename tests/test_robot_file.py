@@ -76,7 +76,7 @@ BROKEN: dict[str, tuple[Edit, str, str]] = {
         "motions.squat.frequency",
         "low value first",
     ),
-    "swapped sole": (put("contacts", 1, "y", [0.05, -0.05]), "contacts.1", "x and y ranges"),
+    "swapped sole": (put("contacts", 1, "y", [0.05, -0.05]), "contacts.1.y", "low value first"),
     "sole beside its frame": (put("contacts", 0, "x", [0.1, 0.2]), "contacts.0", "around zero"),
     "duplicate contacts": (put("contacts", 1, "name", "left_foot"), "contacts", "'left_foot'"),
     "duplicate tasks": (put("tasks", 1, "name", "torso"), "tasks", "'torso'"),

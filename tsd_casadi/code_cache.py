@@ -1,7 +1,7 @@
 """Compiled code by content: the same source is compiled once per machine.
 
 An entry is two files, ``<key>.so`` and ``<key>.sha256``; the key is a hash of
-the source, the compiler, its flags and the linked solver. Both are written
+the source, the flags, the processor and the linked solver. Both are written
 under another name and moved into place, so a reader sees a whole file or none,
 and two processes that compile at once do not disturb each other. An entry
 whose hash does not match is compiled again.
@@ -12,6 +12,8 @@ from __future__ import annotations
 import hashlib
 import importlib.metadata
 import os
+import platform
+import shlex
 import shutil
 import stat
 import subprocess
@@ -38,7 +40,10 @@ def cache_folder() -> Path:
     """
     named = os.environ.get("TSD_CACHE_DIR")
     folder = Path(named) if named else Path(platformdirs.user_cache_dir("tsd_casadi"))
-    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        raise CacheNotPrivate(folder, f"cannot be made ({error.strerror})") from error
     status = folder.stat()
     if status.st_uid != os.getuid() or status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
         raise CacheNotPrivate(folder)
@@ -51,8 +56,7 @@ def find_compiler() -> str:
     Raises:
         CompilerNotFound: If there is none.
     """
-    named = os.environ.get("CC")
-    candidates = (named,) if named else COMPILERS
+    candidates = tuple(shlex.split(os.environ.get("CC", ""))[:1]) or COMPILERS
     for candidate in candidates:
         path = shutil.which(candidate)
         if path is not None:
@@ -78,15 +82,14 @@ def compile_cached(
         CacheNotPrivate: If the cache folder is not private.
     """
     folder = cache_folder()
-    compiler = find_compiler()
-    key = _key(sources, compiler)
+    key = _key(sources)
     library, checksum = folder / f"{key}.so", folder / f"{key}.sha256"
     if _is_intact(library, checksum):
         return library
     if on_compile is not None:
         on_compile()
     with tempfile.TemporaryDirectory(dir=folder, prefix="build-") as build:
-        built = _compile(sources, compiler, Path(build))
+        built = _compile(sources, Path(build))
         digest = built.with_suffix(".sha256")
         digest.write_text(_digest(built))
         os.replace(built, library)
@@ -98,22 +101,23 @@ def _solver_folder() -> Path:
     return Path(casadi.__file__).parent
 
 
-def _key(sources: Mapping[str, str], compiler: str) -> str:
+def _key(sources: Mapping[str, str]) -> str:
     digest = hashlib.sha256()
     for name, text in sorted(sources.items()):
         digest.update(f"{name}\0{text}\0".encode())
-    # what -march=native means here, and the compiler's version
-    described = subprocess.run(
-        [compiler, "-march=native", "-E", "-v", "-x", "c", os.devnull],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    digest.update(described.stderr.encode())
-    digest.update(
-        repr((FLAGS, importlib.metadata.version("casadi"), str(_solver_folder()))).encode()
-    )
+    solver = (importlib.metadata.version("casadi"), str(_solver_folder()))
+    digest.update(repr((FLAGS, os.environ.get("CC"), solver, _processor())).encode())
     return digest.hexdigest()[:32]
+
+
+def _processor() -> str:
+    """What -march=native depends on; home folders may be shared between machines."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        lines = []
+    described = sorted({line for line in lines if line.startswith(("flags", "Features", "model"))})
+    return repr((platform.machine(), platform.processor(), described))
 
 
 def _digest(path: Path) -> str:
@@ -127,13 +131,14 @@ def _is_intact(library: Path, checksum: Path) -> bool:
         return False
 
 
-def _compile(sources: Mapping[str, str], compiler: str, build: Path) -> Path:
+def _compile(sources: Mapping[str, str], build: Path) -> Path:
     for name, text in sources.items():
         (build / name).write_text(text)
     solver = _solver_folder()
     built = build / "controller.so"
     command = [
-        compiler,
+        find_compiler(),
+        *shlex.split(os.environ.get("CC", ""))[1:],
         *FLAGS,
         f"-I{solver / 'include' / 'daqp'}",
         *[str(build / name) for name in sources if name.endswith(".c")],

@@ -129,7 +129,7 @@ class Entry:
             notes.append(
                 f"iteration {used.number} is worse than iteration {self.best.number} "
                 f"({1e3 * used.error:.4g} mm against {1e3 * self.best.error:.4g} mm RMS): "
-                f"serving {self.best.number} again, learning gain {self.learning_gain:g}"
+                f"serving {self.best.number} again, learning gain now {self.learning_gain:g}"
             )
             return notes
         if recording.update:

@@ -180,21 +180,24 @@ class CompilationFailed(TsdError):
 
 
 class CacheNotPrivate(TsdError):
-    """The folder of compiled code could be written by somebody else.
+    """The folder of compiled code is not one that only the user can write to.
 
     Attributes:
         path: The folder.
+        reason: Why it is not used.
     """
 
     code = "cache_not_private"
 
-    def __init__(self, path: Path) -> None:
+    def __init__(
+        self, path: Path, reason: str = "belongs to another user or others may write to it"
+    ) -> None:
         """Create the error for one folder."""
         self.path = path
+        self.reason = reason
         super().__init__(
-            f"{path} belongs to another user or others may write to it, so code from "
-            f"it is not loaded; run 'chmod 700 {path}' if it is yours, or set "
-            "TSD_CACHE_DIR to a folder of your own"
+            f"{path} {reason}, so code from it is not loaded; run 'chmod 700 {path}' if it "
+            "is yours, or set TSD_CACHE_DIR to a folder of your own"
         )
 
 

@@ -45,18 +45,19 @@ class Message(BaseModel):
             MalformedMessage: If it is no JSON or a field is wrong.
         """
         try:
-            # NaN and infinity are no JSON, not even where any value may stand
-            document = from_json(payload, allow_inf_nan=False)
-        except ValueError as error:
-            raise MalformedMessage(f"{cls.__name__}: {error}", "a JSON object") from error
-        try:
-            return cls.model_validate(document)
+            message = cls.model_validate_json(payload)
         except ValidationError as error:
             first = error.errors()[0]
             where = ".".join(map(str, first["loc"])) or "message"
             raise MalformedMessage(
                 f"{cls.__name__}: {where}: {first['msg']}", "valid JSON of it"
             ) from error
+        try:
+            # not even where any value may stand
+            from_json(payload, allow_inf_nan=False)
+        except ValueError as error:
+            raise MalformedMessage(f"{cls.__name__}: {error}", "finite numbers") from error
+        return message
 
 
 class ErrorMessage(Message):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -195,6 +196,15 @@ class RobotFile(Section):
     motions: MotionsFile
 
 
+class _Loader(yaml.SafeLoader):
+    """YAML 1.1, but 1e-6 is a number as everywhere else."""
+
+
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float", re.compile(r"^[-+]?[0-9]+[eE][-+]?[0-9]+$"), list("-+0123456789")
+)
+
+
 def read_robot_file(path: Path) -> RobotFile:
     """Read and check a robot file.
 
@@ -209,7 +219,7 @@ def read_robot_file(path: Path) -> RobotFile:
             missing, unknown, of the wrong type or out of range.
     """
     try:
-        document: Any = yaml.safe_load(path.read_text(encoding="utf-8"))
+        document: Any = yaml.load(path.read_text(encoding="utf-8"), _Loader)
     except (OSError, UnicodeDecodeError) as error:
         raise RobotFileError(path, "", f"cannot be read ({error})", "a YAML file") from error
     except yaml.YAMLError as error:

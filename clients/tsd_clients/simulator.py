@@ -36,6 +36,7 @@ EXTRA_LAPS = 12
 # of the home height of the centre of mass
 FALL_HEIGHT = 0.6
 FLIGHT_HEIGHT = 2.0
+BLOWN_UP = 1e3  # m/s, rad/s: no robot, but a simulation that became unstable
 
 Progress = Callable[[float, float], None]
 
@@ -301,7 +302,8 @@ class _Repetition:
         state = state_map.read(data)
         com = data.subtree_com[state_map.base_body]
         # NaN is a fall as well
-        if not self._fall_height < com[2] < self._flight_height:
+        stands = self._fall_height < com[2] < self._flight_height
+        if not (stands and np.abs(state.v).max() < BLOWN_UP):
             self._fell = True
             return
         before = perf_counter()

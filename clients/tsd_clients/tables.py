@@ -96,11 +96,11 @@ def print_entries(reply: DatabaseReply) -> None:
         box=box.SIMPLE_HEAD,
         padding=(0, 1),
     )
-    for heading in ("entry", "robot", "task", "parameters", "iter-\nations"):
+    for heading in ("entry", "robot", "task", "parameters"):
         table.add_column(heading, no_wrap=True)
     for heading in ("served", "its RMS\nmm", "its AC RMS\nmm"):
         table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("updated, UTC", no_wrap=True)
+    table.add_column("updated", no_wrap=True)
     for entry in reply.entries:
         errors = dict(entry.iterations).get(entry.served)
         table.add_row(
@@ -108,11 +108,10 @@ def print_entries(reply: DatabaseReply) -> None:
             entry.robot,
             entry.task,
             describe_parameters(entry),
-            str(len(entry.iterations)),
-            str(entry.served),
+            f"{entry.served} of {len(entry.iterations) - 1}",
             f"{1e3 * errors['rms_error_m']:.4f}" if errors else "untested",
             f"{1e3 * errors['ac_rms_error_m']:.4f}" if errors else "",
-            entry.updated[:16].replace("T", " "),
+            entry.updated[:10],
         )
     console.print(table)
 

@@ -13,14 +13,18 @@ static inline void add_multiple(int n, double a, const double* restrict x, doubl
   for (int i = 0; i < n; i++) y[i] += a * x[i];
 }
 
-/* A pivot below this share of its diagonal is rounding, not information. */
-#define PIVOT_TOLERANCE 1e-12
+/* A pivot below these shares of its own and of the largest diagonal is rounding,
+ * not information. */
+#define OWN_PIVOT_TOLERANCE 1e-11
+#define PIVOT_TOLERANCE 1e-11
 
 /* Upper triangular U with U^T U = G, in place of G's upper triangle. Returns 0,
  * or -1 if G is not positive definite (or has NaN). */
 static inline int cholesky(int n, double* restrict G) {
-  double least[n];
-  for (int k = 0; k < n; k++) least[k] = PIVOT_TOLERANCE * G[k * n + k];
+  double least[n], largest = 0.0;
+  for (int k = 0; k < n; k++) largest = fmax(largest, G[k * n + k]);
+  for (int k = 0; k < n; k++)
+    least[k] = fmax(OWN_PIVOT_TOLERANCE * G[k * n + k], PIVOT_TOLERANCE * largest);
   for (int k = 0; k < n; k++) {
     double* restrict row = G + k * n;
     if (!(row[k] > 0.0 && row[k] >= least[k])) return -1;
