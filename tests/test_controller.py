@@ -196,6 +196,21 @@ def test_safe_torque_is_clipped_joint_by_joint(controller: Controller, robot: Ro
     assert (np.abs(free) > limits).any()
 
 
+@pytest.mark.parametrize("part", [slice(0, 3), slice(7, None)], ids=["base", "joints"])
+def test_a_solution_that_rounding_spoilt_is_told(
+    part: slice, controller: Controller, robot: Robot
+) -> None:
+    q = robot.home.q.copy()
+    q[part] = 1e9
+    velocity = np.full(robot.nv, 0.3)
+    tick = controller.tick(State(q, velocity), controller.command())
+    assert tick.status == Status.ITERATION_LIMIT
+    assert tick.iterations > 0
+    assert np.isfinite(tick.reply).all()
+    assert (np.abs(tick.tau) <= robot.torque_limit).all()
+    assert not tick.qdd.any()
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_no_number_may_be_missing(value: float, controller: Controller, robot: Robot) -> None:
     request = controller.command().request

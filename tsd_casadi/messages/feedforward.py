@@ -1,0 +1,135 @@
+"""A feedforward term on the network: the project's most public contract."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from tsd_casadi.exceptions import MalformedMessage
+from tsd_casadi.feedforward import Feedforward, Kind
+from tsd_casadi.messages.message import Finite, Message, to_matrix
+from tsd_casadi.motions.squat import UNITS
+from tsd_casadi.periodic_basis import PeriodicBasis
+
+
+class QuantityMessage(Message):
+    """A number with its unit."""
+
+    value: Finite
+    unit: str
+
+
+class BasisMessage(Message):
+    """A periodic basis, eqs. (basis_functions) and (psi) of the paper.
+
+    Attributes:
+        type: Always 'periodic_rbf'.
+        L: Number of functions.
+        centres: c_j [rad].
+        width: h.
+    """
+
+    type: Literal["periodic_rbf"] = "periodic_rbf"
+    L: Annotated[int, Field(ge=1, le=1000)]
+    centres: tuple[Finite, ...]
+    width: Annotated[float, Field(gt=0, lt=1e6)]
+
+    @classmethod
+    def of(cls, basis: PeriodicBasis) -> BasisMessage:
+        """Describe a basis."""
+        return cls(L=basis.L, centres=tuple(basis.centres), width=basis.width)
+
+    def basis(self) -> PeriodicBasis:
+        """The basis.
+
+        Raises:
+            MalformedMessage: If the centres are not 2 pi j / L.
+        """
+        basis = PeriodicBasis(self.L, self.width)
+        if len(self.centres) != self.L or not np.allclose(
+            self.centres, basis.centres, rtol=0, atol=1e-9
+        ):
+            raise MalformedMessage("basis.centres", "2 pi j / L for j = 0 ... L - 1")
+        return basis
+
+
+class FeedforwardMessage(Message):
+    """A feedforward term: the project's most public contract.
+
+    Attributes:
+        format: Name and version of this message.
+        robot: Name of the robot.
+        task: Name of the motion.
+        axes: Names 'task.axis', k of them, world axes.
+        parameters: Task parameters with units.
+        unit: Unit of weights and standard deviations.
+        basis: The basis.
+        weights: k rows of L numbers.
+        standard_deviations: Predictive standard deviation of each weight.
+        kind: 'learned' or 'generalised'.
+        provenance: Entries used, iteration, errors, gains.
+    """
+
+    format: Literal["tsd.feedforward/1"] = "tsd.feedforward/1"
+    robot: str
+    task: str
+    axes: Annotated[tuple[str, ...], Field(min_length=1)]
+    parameters: dict[str, QuantityMessage]
+    unit: Literal["m/s^2"] = "m/s^2"
+    basis: BasisMessage
+    weights: list[list[Finite]]
+    standard_deviations: list[list[Finite]]
+    kind: Kind
+    provenance: dict[str, Any]
+
+    @classmethod
+    def of(cls, robot: str, task: str, feedforward: Feedforward) -> FeedforwardMessage:
+        """Describe a feedforward."""
+        return cls(
+            robot=robot,
+            task=task,
+            axes=feedforward.axes,
+            parameters={
+                name: QuantityMessage(value=value, unit=UNITS[name])
+                for name, value in feedforward.parameters.items()
+            },
+            basis=BasisMessage.of(feedforward.basis),
+            weights=feedforward.weights.tolist(),
+            standard_deviations=feedforward.standard_deviations.tolist(),
+            kind=feedforward.kind,
+            provenance=feedforward.provenance,
+        )
+
+    def feedforward(self) -> Feedforward:
+        """The feedforward.
+
+        Raises:
+            MalformedMessage: If the shapes do not fit.
+        """
+        shape = (len(self.axes), self.basis.L)
+        for name, quantity in self.parameters.items():
+            if quantity.unit != UNITS.get(name):
+                raise MalformedMessage(
+                    f"parameter {name} in {quantity.unit}",
+                    f"{UNITS.get(name, 'no such parameter')}",
+                )
+        deviations = to_matrix("standard_deviations", self.standard_deviations, shape)
+        if (deviations < 0).any():
+            raise MalformedMessage("a negative standard deviation", "none below zero")
+        return Feedforward(
+            axes=self.axes,
+            basis=self.basis.basis(),
+            weights=to_matrix("weights", self.weights, shape),
+            standard_deviations=deviations,
+            kind=self.kind,
+            parameters={name: quantity.value for name, quantity in self.parameters.items()},
+            provenance=self.provenance,
+        )
+
+
+def json_schema() -> str:
+    """JSON schema of the feedforward message, for the docs."""
+    return json.dumps(FeedforwardMessage.model_json_schema(), indent=2)

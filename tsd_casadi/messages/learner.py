@@ -1,0 +1,185 @@
+"""What is recorded with a learner, and what it knows."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from tsd_casadi.entry import Entry
+from tsd_casadi.exceptions import MalformedMessage
+from tsd_casadi.laps import Lap
+from tsd_casadi.messages.feedforward import BasisMessage, QuantityMessage
+from tsd_casadi.messages.message import Finite, Message, Name, to_matrix
+from tsd_casadi.motions.squat import UNITS
+from tsd_casadi.recording import Context, Recording, TaskKey
+
+
+class LapMessage(Message):
+    """One steady lap: phase [rad] and feedback [m/s^2], k rows."""
+
+    phase: Annotated[list[Finite], Field(min_length=10, max_length=200_000)]
+    feedback: list[list[Finite]]
+
+
+class ContextMessage(Message):
+    """Circumstances of a recording."""
+
+    formulation: Annotated[str, Field(max_length=100)]
+    model: Annotated[str, Field(max_length=100)]
+    gains: dict[str, list[Finite]]
+    version: Annotated[str, Field(max_length=100)]
+
+
+class RecordMessage(Message):
+    """The steady laps of one repetition.
+
+    Attributes:
+        task: Name of the motion.
+        axes: Learned axes, names 'task.axis'.
+        parameters: Task parameters, SI units.
+        basis: Basis of the applied weights.
+        applied: Weights in use during the repetition, k rows of L [m/s^2].
+        laps: Whole steady laps.
+        errors: Measures; rms_error_m is needed.
+        context: Circumstances.
+        rule: 'guarded' or 'plain'.
+        update: False to note the errors only.
+        restart: Forget the entry first.
+    """
+
+    task: Name
+    axes: Annotated[tuple[Name, ...], Field(min_length=1, max_length=50)]
+    parameters: dict[Name, Finite]
+    basis: BasisMessage
+    applied: list[list[Finite]]
+    laps: Annotated[list[LapMessage], Field(min_length=1, max_length=100)]
+    errors: dict[Name, Finite]
+    context: ContextMessage
+    rule: Literal["guarded", "plain"] = "guarded"
+    update: bool = True
+    restart: bool = False
+
+    @classmethod
+    def of(cls, recording: Recording) -> RecordMessage:
+        """Describe a recording."""
+        return cls(
+            task=recording.key.task,
+            axes=recording.key.axes,
+            parameters=dict(recording.key.parameters),
+            basis=BasisMessage.of(recording.basis),
+            applied=recording.applied.tolist(),
+            laps=[
+                LapMessage(phase=lap.phase.tolist(), feedback=lap.feedback.tolist())
+                for lap in recording.laps
+            ],
+            errors=recording.errors,
+            context=ContextMessage(**vars(recording.context)),
+            rule=recording.rule,
+            update=recording.update,
+            restart=recording.restart,
+        )
+
+    def recording(self, robot: str) -> Recording:
+        """The recording.
+
+        Args:
+            robot: Name of the robot, from the key.
+
+        Raises:
+            MalformedMessage: If shapes do not fit or the RMS error is missing.
+        """
+        if "rms_error_m" not in self.errors or self.errors["rms_error_m"] < 0:
+            raise MalformedMessage("errors without a valid rms_error_m", "an RMS error in metres")
+        k = len(self.axes)
+        return Recording(
+            key=TaskKey.of(robot, self.task, self.axes, self.parameters),
+            basis=self.basis.basis(),
+            applied=to_matrix("applied", self.applied, (k, self.basis.L)),
+            laps=[
+                Lap(
+                    np.array(lap.phase),
+                    to_matrix(f"laps.{index}.feedback", lap.feedback, (k, len(lap.phase))),
+                )
+                for index, lap in enumerate(self.laps)
+            ],
+            errors=dict(self.errors),
+            context=Context(**self.context.model_dump()),
+            rule=self.rule,
+            update=self.update,
+            restart=self.restart,
+        )
+
+
+class EntryMessage(Message):
+    """A database entry without its weights.
+
+    Attributes:
+        entry: Number of the entry.
+        robot: Name of the robot.
+        task: Name of the motion.
+        axes: Learned axes.
+        parameters: Task parameters with units.
+        served: Iteration that a query is answered with.
+        learning_gain: Share of the feedback that is added next.
+        rule: 'guarded' or 'plain'.
+        updated: ISO 8601, UTC.
+        iterations: (number, errors or null) of every iteration.
+    """
+
+    entry: int
+    robot: str
+    task: str
+    axes: tuple[str, ...]
+    parameters: dict[str, QuantityMessage]
+    served: int
+    learning_gain: float
+    rule: Literal["guarded", "plain"]
+    updated: str
+    iterations: list[tuple[int, dict[str, float] | None]]
+
+    @classmethod
+    def of(cls, entry: Entry) -> EntryMessage:
+        """Describe an entry."""
+        return cls(
+            entry=entry.identifier,
+            robot=entry.key.robot,
+            task=entry.key.task,
+            axes=entry.key.axes,
+            parameters={
+                name: QuantityMessage(value=value, unit=UNITS.get(name, ""))
+                for name, value in entry.key.parameters
+            },
+            served=entry.served.number,
+            learning_gain=entry.learning_gain,
+            rule=entry.rule,
+            updated=entry.updated,
+            iterations=[(item.number, item.errors) for item in entry.iterations],
+        )
+
+
+class RecordReply(Message):
+    """What came of a recording.
+
+    Attributes:
+        entry: The entry as it is now.
+        notes: Remarks for the user.
+    """
+
+    entry: EntryMessage
+    notes: list[str]
+
+
+class DatabaseReply(Message):
+    """What is known.
+
+    Attributes:
+        database: Path of the file, on the service's machine.
+        entries: The entries.
+        forgotten: The entry that was asked to be forgotten, if any.
+    """
+
+    database: str
+    entries: list[EntryMessage]
+    forgotten: EntryMessage | None = None

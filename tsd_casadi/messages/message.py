@@ -1,0 +1,84 @@
+"""What all JSON messages have in common, and the body of an error."""
+
+from __future__ import annotations
+
+from typing import Annotated, TypeVar
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import from_json
+
+from tsd_casadi.exceptions import MalformedMessage, TsdError
+from tsd_casadi.state import Matrix
+
+Finite = Annotated[float, Field(allow_inf_nan=False, ge=-1e9, le=1e9)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_.]*$", max_length=100)]
+AnyMessage = TypeVar("AnyMessage", bound="Message")
+
+
+class Message(BaseModel):
+    """A JSON message; unknown fields are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    def encode(self) -> bytes:
+        """The message as UTF-8 JSON."""
+        return self.model_dump_json().encode()
+
+    @classmethod
+    def decode(cls: type[AnyMessage], payload: bytes) -> AnyMessage:
+        """Read and check a message.
+
+        Args:
+            payload: UTF-8 JSON.
+
+        Raises:
+            MalformedMessage: If it is no JSON or a field is wrong.
+        """
+        try:
+            message = cls.model_validate_json(payload)
+        except ValidationError as error:
+            first = error.errors()[0]
+            where = ".".join(map(str, first["loc"])) or "message"
+            raise MalformedMessage(
+                f"{cls.__name__}: {where}: {first['msg']}", "valid JSON of it"
+            ) from error
+        try:
+            # not even where any value may stand
+            from_json(payload, allow_inf_nan=False)
+        except ValueError as error:
+            raise MalformedMessage(f"{cls.__name__}: {error}", "finite numbers") from error
+        return message
+
+
+class ErrorMessage(Message):
+    """Body of an error reply.
+
+    Attributes:
+        code: Short machine-readable name.
+        message: What was wrong, what was expected, what to do.
+    """
+
+    code: str
+    message: str
+
+    @classmethod
+    def of(cls, error: TsdError) -> ErrorMessage:
+        """The message of an error."""
+        return cls(code=error.code, message=str(error))
+
+
+def to_matrix(name: str, rows: list[list[float]], shape: tuple[int, int]) -> Matrix:
+    """An array of rows, checked for its shape.
+
+    Args:
+        name: Name of the field, for the error.
+        rows: The rows.
+        shape: Their number and length.
+
+    Raises:
+        MalformedMessage: If the shape is another one.
+    """
+    if len(rows) != shape[0] or any(len(row) != shape[1] for row in rows):
+        raise MalformedMessage(f"{name} of another shape", f"{shape[0]} rows of {shape[1]} numbers")
+    return np.array(rows, dtype=float)
