@@ -286,11 +286,24 @@ def test_a_state_of_another_size_is_refused(
         controller.tick(State(np.full(size, 0.5), robot.home.v), controller.command())
 
 
-def test_a_request_of_another_size_is_refused(controller: Controller) -> None:
-    # one short of what C reads, in memory that this test owns
-    memory = controller.command().request
-    with pytest.raises((InvalidValue, ValueError)):
-        controller.run(memory[:-1])
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda request: request[:-1],
+        lambda request: np.append(request, 0.0),
+        lambda request: request[None, :],
+        lambda request: request.astype(np.float32),
+        lambda request: request.astype(">f8"),
+        lambda request: np.repeat(request, 2)[::2],
+    ],
+    ids=["short", "long", "a matrix", "float32", "big endian", "strided"],
+)
+def test_a_request_that_c_cannot_read_is_refused(
+    spoil: Callable[[np.ndarray], np.ndarray], controller: Controller
+) -> None:
+    with pytest.raises(InvalidValue) as caught:
+        controller.run(spoil(controller.command().request))
+    assert caught.value.field == "request"
 
 
 def in_another_process(body: str) -> subprocess.CompletedProcess[str]:

@@ -12,15 +12,16 @@ import numpy as np
 import pinocchio
 import pytest
 
-import tsd_clients.simulator
+import tsd_clients.repetition
 from tsd_casadi import Command, Controller, Feedforward, PeriodicBasis, Robot, Squat, State, Tick
 from tsd_casadi import load_robot as load
 from tsd_casadi.exceptions import InvalidValue, ParityError, RobotFileError, SimulationError
 from tsd_casadi.laps import first_steady_lap
 from tsd_casadi.tick_format import Status, TickFormat
 from tsd_clients import MujocoSimulator, Run
+from tsd_clients.repetition import EXTRA_LAPS, HOLD, TIMESTEP
 from tsd_clients.run import LOG_UNITS
-from tsd_clients.simulator import EXTRA_LAPS, HOLD, START_NOISE, TIMESTEP
+from tsd_clients.simulator import START_NOISE
 
 SQUAT = Squat(amplitude=0.01, frequency=1.0)
 HOLD_TICKS = round(HOLD / TIMESTEP)
@@ -348,7 +349,7 @@ def test_what_never_settles_is_said_not_to_and_measured_over_two_laps(
     simulator: MujocoSimulator, controller: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert EXTRA_LAPS >= 5
-    monkeypatch.setattr(tsd_clients.simulator, "EXTRA_LAPS", 2)
+    monkeypatch.setattr(tsd_clients.repetition, "EXTRA_LAPS", 2)
     stub = Stub(controller, _drifting([float(lap) for lap in range(10)]))
     run = simulator.run(stub, SQUAT, laps=2)
     assert (run.steady, run.fell, run.laps_run, len(run.laps)) == (False, False, 4, 2)

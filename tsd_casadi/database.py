@@ -15,9 +15,9 @@ import numpy as np
 import platformdirs
 
 from tsd_casadi.entry import Entry, Iteration
+from tsd_casadi.entry_regression import EntryRegressions, describe_entries, describe_task
 from tsd_casadi.exceptions import DatabaseError, EntryNotFound, InvalidValue
 from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.generalization import WeightRegression
 from tsd_casadi.motions.squat import UNITS
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.recording import Context, Recording, TaskKey
@@ -76,7 +76,7 @@ class Database:
             DatabaseError: If it cannot be opened or is not one of ours.
         """
         self.path = Path(path).expanduser()
-        self._regressions: dict[tuple[Any, ...], WeightRegression] = {}
+        self._regressions = EntryRegressions()
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self._connection = sqlite3.connect(self.path, isolation_level=None)
@@ -208,70 +208,11 @@ class Database:
             return max(exact, key=lambda entry: (entry.updated, entry.identifier)).feedforward()
         if kind == "learned":
             raise EntryNotFound(
-                f"nothing was learned for {_describe(task, wanted)}; there is "
-                f"{_list(entries)}. Learn it with 'tsd learn {task}', or ask for a "
+                f"nothing was learned for {describe_task(task, wanted)}; there is "
+                f"{describe_entries(entries)}. Learn it with 'tsd learn {task}', or ask for a "
                 "generalised feedforward"
             )
-        return self._generalise(task, entries, dict(wanted), extrapolate)
-
-    def _generalise(
-        self, task: str, entries: list[Entry], wanted: dict[str, float], extrapolate: bool
-    ) -> Feedforward:
-        amplitude = wanted["amplitude"]
-        same = [
-            entry
-            for entry in entries
-            if {**dict(entry.key.parameters), "amplitude": amplitude} == wanted
-            and entry.served.number > 0
-        ]
-        others = [e for e in same if dict(e.key.parameters)["amplitude"] != amplitude]
-        if not others:
-            raise EntryNotFound(
-                f"nothing to generalise from for {_describe(task, tuple(wanted.items()))}; "
-                f"there is {_list(entries)}. Learn other amplitudes at this frequency"
-            )
-        self._check_same_basis(others)
-        inputs = [dict(entry.key.parameters)["amplitude"] for entry in others]
-        served = [entry.served for entry in others]
-        content = (
-            tuple(inputs),
-            b"".join(iteration.weights.tobytes() for iteration in served),
-        )
-        if content not in self._regressions:
-            self._regressions = {
-                content: WeightRegression(
-                    "amplitude", UNITS["amplitude"], inputs, [item.weights for item in served]
-                )
-            }
-        regression = self._regressions[content]
-        weights, deviations = regression.predict(amplitude, extrapolate=extrapolate)
-        provenance = {
-            "entries": [entry.identifier for entry in others],
-            "amplitudes": inputs,
-            "iterations": [iteration.number for iteration in served],
-            "iteration": min(iteration.number for iteration in served),
-            "errors": [iteration.errors for iteration in served],
-            "gains": [entry.context.gains for entry in others],
-            "kernel": regression.kernel,
-            "formulation": others[0].context.formulation,
-        }
-        return Feedforward(
-            axes=others[0].key.axes,
-            basis=others[0].basis,
-            weights=weights,
-            standard_deviations=deviations,
-            kind="generalised",
-            parameters=wanted,
-            provenance=provenance,
-        )
-
-    def _check_same_basis(self, entries: list[Entry]) -> None:
-        kinds = {(entry.basis, entry.key.axes, entry.context.formulation) for entry in entries}
-        if len(kinds) > 1:
-            raise EntryNotFound(
-                f"the entries {_list(entries)} were learned with different bases, axes or "
-                "formulations and cannot be generalised together; forget or restart some"
-            )
+        return self._regressions.generalise(task, entries, dict(wanted), extrapolate)
 
     def _candidates(self, task: str, robot: str | None) -> list[Entry]:
         entries = self.entries(robot, task)
@@ -419,11 +360,3 @@ class Database:
             # after a failure, a failed COMMIT included, unless SQLite did it itself
             if self._connection.in_transaction:
                 self._connection.rollback()
-
-
-def _describe(task: str, parameters: tuple[tuple[str, float], ...]) -> str:
-    return " ".join([task, *(f"{name}={value:g}" for name, value in parameters)])
-
-
-def _list(entries: list[Entry]) -> str:
-    return ", ".join(_describe(e.key.task, e.key.parameters) for e in entries) or "nothing yet"

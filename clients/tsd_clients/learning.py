@@ -11,8 +11,9 @@ from tsd_casadi.exceptions import InvalidValue, SimulationError, TsdError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions import Motion
 from tsd_casadi.recording import Context, Recording, Rule, TaskKey
+from tsd_clients.repetition import Progress
 from tsd_clients.run import Run
-from tsd_clients.simulator import MujocoSimulator, Progress
+from tsd_clients.simulator import MujocoSimulator
 
 
 class Learner(Protocol):
