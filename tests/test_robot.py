@@ -224,3 +224,12 @@ def posture_with_raised_com(robot: Robot, rise: float) -> np.ndarray:
     found = least_squares(residual, np.zeros(model.nv), method="trf", xtol=1e-12, gtol=1e-12)
     assert np.abs(residual(found.x)).max() < 1e-8
     return np.asarray(pinocchio.integrate(model, home, found.x))
+
+
+def test_legs_that_cannot_move_their_feet_freely_are_refused(write_robot: WriteRobot) -> None:
+    def lock_ankles(text: str) -> str:
+        return re.sub(r'name="(._A(?:AA|R))" type="revolute"', r'name="\1" type="fixed"', text)
+
+    error = error_of(write_robot(urdf=lock_ankles))
+    assert error.field == "contacts"
+    assert "at least six joints" in error.expected

@@ -1,10 +1,10 @@
 """Compiled code by content: the same source is compiled once per machine.
 
 An entry is two files, ``<key>.so`` and ``<key>.sha256``; the key is a hash of
-the source, the flags, the processor and the linked solver. Both are written
-under another name and moved into place, so a reader sees a whole file or none,
-and two processes that compile at once do not disturb each other. An entry
-whose hash does not match is compiled again.
+the source, the flags, the processor and the linked solver, then one of the
+compiler. Both files are written under another name and moved into place, so a
+reader sees a whole file or none, and two processes that compile at once do not
+disturb each other. An entry whose hash does not match is compiled again.
 """
 
 from __future__ import annotations
@@ -82,9 +82,17 @@ def compile_cached(
         CacheNotPrivate: If the cache folder is not private.
     """
     folder = cache_folder()
-    key = _key(sources)
-    library, checksum = folder / f"{key}.so", folder / f"{key}.sha256"
-    if _is_intact(library, checksum):
+    source_key = _source_key(sources)
+    try:
+        compiler_key = _compiler_key()
+    except CompilerNotFound:
+        # what another compiler made of the same source will do
+        for library in sorted(folder.glob(f"{source_key}-*.so")):
+            if _is_intact(library):
+                return library
+        raise
+    library = folder / f"{source_key}-{compiler_key}.so"
+    if _is_intact(library):
         return library
     if on_compile is not None:
         on_compile()
@@ -93,7 +101,7 @@ def compile_cached(
         digest = built.with_suffix(".sha256")
         digest.write_text(_digest(built))
         os.replace(built, library)
-        os.replace(digest, checksum)
+        os.replace(digest, library.with_suffix(".sha256"))
     return library
 
 
@@ -101,13 +109,24 @@ def _solver_folder() -> Path:
     return Path(casadi.__file__).parent
 
 
-def _key(sources: Mapping[str, str]) -> str:
+def _source_key(sources: Mapping[str, str]) -> str:
     digest = hashlib.sha256()
     for name, text in sorted(sources.items()):
         digest.update(f"{name}\0{text}\0".encode())
     solver = (importlib.metadata.version("casadi"), str(_solver_folder()))
-    digest.update(repr((FLAGS, os.environ.get("CC"), solver, _processor())).encode())
+    digest.update(repr((FLAGS, solver, _processor())).encode())
     return digest.hexdigest()[:32]
+
+
+def _compiler_key() -> str:
+    command = [*_compiler_command(), "--version"]
+    version = subprocess.run(command, capture_output=True, check=False).stdout
+    return hashlib.sha256(repr(command).encode() + version).hexdigest()[:8]
+
+
+def _compiler_command() -> list[str]:
+    """The compiler with the arguments that CC may hold."""
+    return [find_compiler(), *shlex.split(os.environ.get("CC", ""))[1:]]
 
 
 def _processor() -> str:
@@ -124,9 +143,9 @@ def _digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def _is_intact(library: Path, checksum: Path) -> bool:
+def _is_intact(library: Path) -> bool:
     try:
-        return checksum.read_text() == _digest(library)
+        return library.with_suffix(".sha256").read_text() == _digest(library)
     except (OSError, UnicodeDecodeError):
         return False
 
@@ -137,8 +156,7 @@ def _compile(sources: Mapping[str, str], build: Path) -> Path:
     solver = _solver_folder()
     built = build / "controller.so"
     command = [
-        find_compiler(),
-        *shlex.split(os.environ.get("CC", ""))[1:],
+        *_compiler_command(),
         *FLAGS,
         f"-I{solver / 'include' / 'daqp'}",
         *[str(build / name) for name in sources if name.endswith(".c")],

@@ -17,6 +17,8 @@ from tsd_casadi.state import State, Vector
 
 # how far home may leave the soles from lying flat on one plane [m, -]
 FLATNESS = 1e-3
+# singular value of the contact Jacobian below which a direction counts as lost
+RANK_TOLERANCE = 1e-4
 
 
 class Robot:
@@ -54,6 +56,7 @@ class Robot:
         digest.update(self.urdf_path.read_bytes())
         self.fingerprint = digest.hexdigest()[:16]
         self._check_home()
+        self._check_mobility()
 
     @property
     def n(self) -> int:
@@ -188,6 +191,27 @@ class Robot:
         return [
             data.oMf[self.model.getFrameId(contact.frame)] for contact in self.description.contacts
         ]
+
+    def _check_mobility(self) -> None:
+        """The feet must be free to accelerate independently of each other."""
+        data = self.model.createData()
+        rows = [
+            pinocchio.computeFrameJacobian(
+                self.model,
+                data,
+                self.home.q,
+                self.model.getFrameId(contact.frame),
+                pinocchio.LOCAL,
+            )
+            for contact in self.description.contacts
+        ]
+        rank = int(np.linalg.matrix_rank(np.vstack(rows), tol=RANK_TOLERANCE))
+        if rank < 6 * len(rows):
+            raise self._error(
+                "contacts",
+                f"at home the feet can move in {rank} ways only, six each would be {6 * len(rows)}",
+                "legs with at least six joints each and a home posture without straight knees",
+            )
 
     def _check_home(self) -> None:
         for contact, placement in zip(

@@ -30,7 +30,7 @@ class Status(enum.IntEnum):
 STATUS_MEANING = {
     Status.OK: "solved",
     Status.INFEASIBLE: "no acceleration satisfies all rows: the limits contradict each other",
-    Status.ITERATION_LIMIT: "the solver stopped before the optimum",
+    Status.ITERATION_LIMIT: "the solver did not reach an optimum that keeps the limits",
     Status.SINGULAR: "the cost does not determine the solution: a weight is zero or negative",
     Status.NOT_FINITE: "the numbers overflowed: state or command is absurdly large",
 }
