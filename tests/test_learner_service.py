@@ -12,7 +12,7 @@ import pytest
 import zenoh
 
 from tsd_casadi.endpoints import session_settings
-from tsd_casadi.exceptions import ServiceError, ServiceUnreachable, TsdError
+from tsd_casadi.exceptions import ServiceError, ServiceUnreachable, TsdError, TwoServices
 from tsd_casadi.keys import feedforward_key, record_key
 from tsd_casadi.laps import Lap
 from tsd_casadi.messages import ErrorMessage
@@ -211,3 +211,13 @@ def test_signal_ends_the_service_cleanly(tmp_path: Path) -> None:
 def test_nobody_there() -> None:
     with pytest.raises(ServiceUnreachable, match="start one with 'tsd learner'"):
         RemoteLearner([free_endpoint()])
+
+
+def test_client_refuses_two_learners(endpoint: str, tmp_path: Path) -> None:
+    other = free_endpoint()
+    arguments = ["learner", "--database", str(tmp_path / "b.sqlite"), "--listen", other]
+    with ServiceProcess(arguments), RemoteLearner([endpoint, other]) as learner:
+        deadline = time.monotonic() + 10.0
+        with pytest.raises(TwoServices, match="2 learners"):
+            while time.monotonic() < deadline:  # the second link may come up later
+                learner.database()

@@ -82,7 +82,7 @@ class RemoteLearner:
             selector["kind"] = kind
         if extrapolate:
             selector["extrapolate"] = "true"
-        (body, *_) = self._session.query(feedforward_key(robot), parameters=selector)
+        body = self._session.query_one(feedforward_key(robot), parameters=selector)
         return FeedforwardMessage.decode(body)
 
     def record(self, recording: Recording) -> tuple[EntryMessage, list[str]]:
@@ -95,13 +95,13 @@ class RemoteLearner:
             ServiceError: If the recording does not fit the entry.
         """
         payload = RecordMessage.of(recording).encode()
-        (body, *_) = self._session.query(record_key(recording.key.robot), payload=payload)
+        body = self._session.query_one(record_key(recording.key.robot), payload=payload)
         reply = RecordReply.decode(body)
         return reply.entry, reply.notes
 
     def database(self) -> DatabaseReply:
         """What is known, of every robot."""
-        (body, *_) = self._session.query(database_key(ANY_ROBOT))
+        body = self._session.query_one(database_key(ANY_ROBOT))
         return DatabaseReply.decode(body)
 
     def forget(self, entry: int) -> DatabaseReply:
@@ -113,5 +113,5 @@ class RemoteLearner:
         Raises:
             ServiceError: If there is none of that number.
         """
-        (body, *_) = self._session.query(database_key(ANY_ROBOT), parameters={"forget": str(entry)})
+        body = self._session.query_one(database_key(ANY_ROBOT), parameters={"forget": str(entry)})
         return DatabaseReply.decode(body)

@@ -9,7 +9,12 @@ from typing import Any
 import zenoh
 
 from tsd_casadi.endpoints import check_endpoint, configure_runtime, session_settings
-from tsd_casadi.exceptions import MalformedMessage, ServiceError, ServiceUnreachable
+from tsd_casadi.exceptions import (
+    MalformedMessage,
+    ServiceError,
+    ServiceUnreachable,
+    TwoServices,
+)
 from tsd_casadi.keys import alive_key
 from tsd_casadi.messages import ErrorMessage
 
@@ -115,6 +120,32 @@ class Session:
         if not bodies:
             raise ServiceUnreachable(self.role, self.endpoints, "no reply")
         return bodies
+
+    def query_one(
+        self, key: str, *, parameters: dict[str, str] | None = None, payload: bytes | None = None
+    ) -> bytes:
+        """Ask the only service on a key.
+
+        Args:
+            key: The key.
+            parameters: Parameters of the selector.
+            payload: Body of the query.
+
+        Returns:
+            The body of its reply.
+
+        Raises:
+            ServiceError: If it replied with an error.
+            ServiceUnreachable: If nobody answered in time.
+            TwoServices: If more than one answered.
+        """
+        bodies = self.query(key, parameters=parameters, payload=payload)
+        if len(bodies) > 1:
+            raise TwoServices(
+                f"{len(bodies)} {self.role}s answer at {', '.join(self.endpoints)}; stop all "
+                "but one, or connect to one endpoint"
+            )
+        return bodies[0]
 
     def body_of(self, reply: Any) -> bytes:
         """The body of a reply.
