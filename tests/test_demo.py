@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tsd_casadi import load_robot
+from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_clients import demo
 
 FIELDS = {
@@ -88,9 +89,19 @@ def test_services_stop_when_a_run_fails(tmp_path: Path, monkeypatch: pytest.Monk
         started.append(original(arguments))
         return started[-1]
 
+    def fail(*_: object, **__: object) -> None:
+        raise SimulationError("on purpose")
+
     monkeypatch.setattr(demo, "ServiceProcess", remember)
-    monkeypatch.setattr(demo, "AMPLITUDE", 5.0)
-    with pytest.raises(ValueError, match="amplitude is 5"):
+    monkeypatch.setattr(demo.MujocoSimulator, "run", fail)
+    with pytest.raises(SimulationError, match="on purpose"):
         demo.run_demo(load_robot("hermes_lower"), tmp_path)
     assert len(started) == 2
     assert all(service.process.poll() == 0 for service in started)
+
+
+def test_robot_that_cannot_do_the_squats_is_told_before_anything_starts(tmp_path: Path) -> None:
+    small = Path(__file__).parent / "robots" / "mini_biped" / "mini_biped.yaml"
+    with pytest.raises(InvalidValue, match=r"amplitude is 0\.06, expected .* for mini_biped"):
+        demo.run_demo(load_robot(small), tmp_path / "out")
+    assert not (tmp_path / "out").exists()

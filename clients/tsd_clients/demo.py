@@ -149,9 +149,12 @@ def run_demo(robot: Robot, out: Path, seed: int = 0) -> dict[str, Any]:
         The summary.
 
     Raises:
+        InvalidValue: If the robot cannot do one of the squats.
         TsdError: If a service does not start or a run fails.
     """
     start = monotonic()
+    for amplitude in (AMPLITUDE, *DATABASE, QUERIED):
+        Squat(amplitude, FREQUENCY).check(robot)
     try:
         (out / "logs").mkdir(parents=True, exist_ok=True)
     except OSError as error:
