@@ -9,7 +9,7 @@ from tsd_casadi import endpoints, keys
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.inverse_dynamics import InverseDynamics
 from tsd_casadi.layout import Layout
-from tsd_casadi.messages import json_schema
+from tsd_casadi.messages import FeedforwardMessage, RecordMessage, json_schema
 from tsd_casadi.robot import load_robot
 from tsd_casadi.tick_format import STATUS_MEANING
 from tsd_casadi.tick_message import HEADER, HEADER_FIELDS
@@ -97,7 +97,8 @@ An error is a Zenoh error reply with a JSON body `{{"code": ..., "message": ...}
 
 {error_table()}
 
-`internal` is a defect of the service. No reply at all means that nobody serves the key.
+`internal` is a defect of the service. No reply at all means that nobody serves the key, or that
+the service is overloaded and dropped the query; the liveliness token tells which.
 
 ## The tick
 
@@ -143,7 +144,16 @@ With the centres c_j, the width h and the weights w of a reply, the feedforward 
 in m/s^2 along each of `axes`, to be added to the task's reference acceleration. JSON schema:
 
 ```json
-{json_schema()}
+{json_schema(FeedforwardMessage)}
+```
+
+## The recording
+
+The payload of `record`: the steady laps of one repetition with the weights that were applied. The
+reply names the entry, its iterations and remarks. JSON schema:
+
+```json
+{json_schema(RecordMessage)}
 ```
 """
 

@@ -276,3 +276,11 @@ def test_help_of_every_command_teaches() -> None:
         "--json",
     ):
         assert option in text
+
+
+def test_unwritable_output_is_refused_before_the_run(tmp_path: Path) -> None:
+    start = time.monotonic()
+    for option in ("--json", "--log"):
+        done = tsd_command("simulate", "squat", "--controller", "local", option, str(tmp_path))
+        assert_refused(done, "output file", "writable")
+    assert time.monotonic() - start < 15.0

@@ -14,7 +14,7 @@ import zenoh
 import tsd_casadi as tsd
 from tsd_casadi.endpoints import session_settings
 from tsd_casadi.exceptions import ServiceError, ServiceUnreachable, TsdError, TwoServices
-from tsd_casadi.keys import tick_key
+from tsd_casadi.keys import info_key, tick_key
 from tsd_casadi.messages import ErrorMessage
 from tsd_casadi.tick_message import HEADER, REPLY, REQUEST, pack_tick, unpack_tick
 from tsd_clients.remote_controller import RemoteController
@@ -229,3 +229,17 @@ def test_own_simulator_example(endpoint: str) -> None:
 def test_own_simulator_example_imports_nothing_of_ours() -> None:
     text = (EXAMPLES / "own_simulator.py").read_text()
     assert "tsd_" not in text.replace("tsd_controller", "")
+
+
+def test_burst_of_queries_does_not_cut_others_off(
+    robot: tsd.Robot, remote: RemoteController, raw_session: zenoh.Session
+) -> None:
+    pending = [raw_session.get(info_key(robot.name), timeout=5.0) for _ in range(1000)]
+    slowest, end = 0.0, time.monotonic() + 3.0
+    while time.monotonic() < end:
+        start = time.monotonic()
+        remote.tick(robot.home, remote.command())
+        slowest = max(slowest, time.monotonic() - start)
+    answered = sum(reply.ok is not None for replies in pending for reply in replies)
+    assert answered > 0
+    assert slowest < 2.0

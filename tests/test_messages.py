@@ -259,7 +259,7 @@ def test_feedforward_json_has_format_units_and_names() -> None:
 
 
 def test_json_schema_covers_every_field_of_the_feedforward() -> None:
-    schema = json.loads(json_schema())
+    schema = json.loads(json_schema(FeedforwardMessage))
     document = json.loads(FEEDFORWARD.encode())
     assert schema["type"] == "object"
     assert schema["additionalProperties"] is False

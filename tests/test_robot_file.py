@@ -171,3 +171,12 @@ def test_numbers_with_a_bare_exponent_are_numbers(write_robot: WriteRobot) -> No
     path.write_text(path.read_text().replace("force: 1.0e-06", "force: 1e-6"))
     assert "force: 1e-6" in path.read_text()
     assert read_robot_file(path).regularization.force == 1e-6
+
+
+def test_misspelled_field_is_named_and_not_the_missing_one(write_robot: WriteRobot) -> None:
+    def misspell(document: Any) -> None:
+        document["limit"] = document.pop("limits")
+
+    with pytest.raises(RobotFileError, match="misspelling") as caught:
+        load_robot(write_robot(misspell))
+    assert caught.value.field == "limit"

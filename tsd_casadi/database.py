@@ -319,6 +319,10 @@ class Database:
                 self._connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
                 self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
             self._connection.execute("COMMIT")
+        # a file that cannot be written to is told now, not at the first recording
+        self._connection.execute("BEGIN IMMEDIATE")
+        self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+        self._connection.execute("COMMIT")
         self._connection.execute("PRAGMA foreign_keys = ON")
 
     def _is_ours(self) -> bool:

@@ -86,7 +86,9 @@ def session_settings(
         "scouting/gossip/enabled": False,
         # no gain at these sizes, and a stalled receiver loses queries silently
         "transport/shared_memory/enabled": False,
-        # a frozen peer is noticed after this
+        # a peer that stopped reading is given up soon, so that others do not wait [us]
+        "transport/link/tx/queue/congestion_control/block/wait_before_close": 200_000,
+        # a frozen peer is noticed after this [ms]
         "transport/link/tx/lease": 1000,
     }
     if low_latency:

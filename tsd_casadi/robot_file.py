@@ -230,7 +230,9 @@ def read_robot_file(path: Path) -> RobotFile:
     try:
         robot_file = RobotFile.model_validate(document)
     except ValidationError as error:
-        first = error.errors()[0]
+        # a misspelled field is also a missing one; the misspelling helps more
+        errors = sorted(error.errors(), key=lambda item: item["type"] != "extra_forbidden")
+        first = errors[0]
         location = list(first["loc"])
         if location[:1] == ["tasks"]:
             del location[2:3]  # the task's type, which pydantic puts in between

@@ -90,9 +90,9 @@ ConnectOption = Annotated[
 ]
 MotionArgument = Annotated[str, typer.Argument(help="The motion: squat.")]
 AmplitudeOption = Annotated[
-    float, typer.Option("--amplitude", help="Half of peak to peak [m]; 0.03 is 3 cm.")
+    float, typer.Option("--amplitude", help="Half of peak to peak, in metres; 0.03 is 3 cm.")
 ]
-FrequencyOption = Annotated[float, typer.Option("--frequency", help="Laps per second [Hz].")]
+FrequencyOption = Annotated[float, typer.Option("--frequency", help="Laps per second, in hertz.")]
 LapsOption = Annotated[
     int, typer.Option("--laps", help="Least number of laps; more are added until steady.")
 ]
@@ -110,7 +110,9 @@ ModelErrorOption = Annotated[
 ControllerOption = Annotated[
     ControllerChoice, typer.Option("--controller", help="The service, or this process.")
 ]
-SeedOption = Annotated[int, typer.Option("--seed", help="Of the starting posture's randomness.")]
+SeedOption = Annotated[
+    int, typer.Option("--seed", min=0, help="Of the starting posture's randomness.")
+]
 JsonOption = Annotated[
     str | None, typer.Option("--json", help="Write the result as JSON to a file, or - for stdout.")
 ]
@@ -167,6 +169,7 @@ def simulate(
     ] = None,
 ) -> None:
     """Simulate one repetition, asking the controller at every tick (1 kHz)."""
+    _check_writable(json_file, log)
     loaded = load_robot(robot)
     wanted = make_motion(motion, amplitude, frequency)
     wanted.check(loaded)
@@ -219,6 +222,7 @@ def learn(
     json_file: JsonOption = None,
 ) -> None:
     """Learn a motion's feedforward by repeating it; continues an existing entry."""
+    _check_writable(json_file)
     loaded = load_robot(robot)
     wanted = make_motion(motion, amplitude, frequency)
     wanted.check(loaded)
@@ -263,7 +267,9 @@ def learn(
 @app.command()
 def query(
     motion: MotionArgument,
-    amplitude: Annotated[float, typer.Option("--amplitude", help="Half of peak to peak [m].")],
+    amplitude: Annotated[
+        float, typer.Option("--amplitude", help="Half of peak to peak, in metres.")
+    ],
     frequency: FrequencyOption = 0.25,
     robot: RobotOption = "hermes_lower",
     kind: Annotated[
@@ -277,6 +283,7 @@ def query(
     json_file: JsonOption = None,
 ) -> None:
     """Ask the learner what to feed forward."""
+    _check_writable(json_file)
     loaded = load_robot(robot)
     wanted = make_motion(motion, amplitude, frequency)
     wanted.check(loaded)
@@ -291,6 +298,7 @@ def query(
 @database_app.command("list")
 def list_entries(connect: ConnectOption = None, json_file: JsonOption = None) -> None:
     """List what was learned."""
+    _check_writable(json_file)
     with RemoteLearner(connect or [LEARNER]) as remote:
         reply = remote.database()
     _put_out(reply.model_dump(mode="json"), json_file, lambda: print_entries(reply))
@@ -392,12 +400,21 @@ def _put_out(result: dict[str, Any], json_file: str | None, show: Any) -> None:
         return
     show()
     if json_file is not None:
-        path = Path(json_file)
+        Path(json_file).write_text(json.dumps(result, indent=2))
+
+
+def _check_writable(*targets: str | Path | None) -> None:
+    """Refuse a file that cannot be written before the work, not after it."""
+    for target in targets:
+        if target is None or target == "-":
+            continue
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(json.dumps(result, indent=2))
+            with Path(target).open("a"):
+                pass
         except OSError as error:
-            raise TsdError(f"cannot write {path}: {error}") from error
+            raise InvalidValue(
+                "output file", f"'{target}' ({error.strerror})", "a writable path"
+            ) from error
 
 
 def main() -> None:

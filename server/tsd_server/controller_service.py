@@ -58,7 +58,7 @@ class ControllerService:
         """Serve until SIGINT or SIGTERM."""
         name = self._robot.name
         with self._service as service:
-            service.answer(self._key, self._tick, newest_only=True)
+            service.answer(self._key, self._tick)
             service.answer(info_key(name), self._info)
             size = self._format.request.size
             service.run(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -23,6 +24,8 @@ from tsd_server.service import Service, reply_json
 
 # robot chunk of replies to a query for any robot
 EVERY = "all"
+# some ten times the laps of the slowest squat [bytes]
+LARGEST_RECORDING = 20_000_000
 OPTIONS = ("task", "kind", "extrapolate")
 
 
@@ -46,6 +49,8 @@ class LearnerService:
         """
         self.path = path
         Database(path).close()  # refuse a wrong file before listening
+        # the first regression would wait seconds for it
+        importlib.import_module("sklearn.gaussian_process")
         self._service = Service("learner", ANY_ROBOT, listen)
         self._database: Database | None = None
 
@@ -76,6 +81,8 @@ class LearnerService:
         answers[key](query, robot)
 
     def _feedforward(self, query: zenoh.Query, robot: str) -> None:
+        if robot == ANY_ROBOT:
+            raise MalformedMessage("a feedforward for any robot", "the robot's name in the key")
         texts = {name: str(value) for name, value in _items(query.parameters)}
         if "task" not in texts:
             raise MalformedMessage(
@@ -90,21 +97,25 @@ class LearnerService:
         parameters = _parameters({n: t for n, t in texts.items() if n not in OPTIONS})
         feedforward = self._open_database.query(
             texts["task"],
-            robot=None if robot == ANY_ROBOT else robot,
+            robot=robot,
             kind=kind,
             extrapolate=extrapolate == "true",
             **parameters,
         )
-        name = EVERY if robot == ANY_ROBOT else robot
         message = FeedforwardMessage.of(robot, texts["task"], feedforward)
-        reply_json(query, feedforward_key(name), message.encode())
+        reply_json(query, feedforward_key(robot), message.encode())
 
     def _record(self, query: zenoh.Query, robot: str) -> None:
         if robot == ANY_ROBOT:
             raise MalformedMessage("a recording for any robot", "the robot's name in the key")
         if query.payload is None:
             raise MalformedMessage("no payload", "a recording as JSON; see docs/wire.md")
-        recording = RecordMessage.decode(query.payload.to_bytes()).recording(robot)
+        payload = query.payload.to_bytes()
+        if len(payload) > LARGEST_RECORDING:
+            raise MalformedMessage(
+                f"a recording of {len(payload)} bytes", f"at most {LARGEST_RECORDING}"
+            )
+        recording = RecordMessage.decode(payload).recording(robot)
         _parameters({name: str(value) for name, value in recording.key.parameters})
         entry, notes = self._open_database.record(recording)
         reply = RecordReply(entry=EntryMessage.of(entry), notes=notes)

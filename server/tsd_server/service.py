@@ -11,7 +11,7 @@ from types import FrameType, TracebackType
 from typing import Any
 
 import zenoh
-from zenoh.handlers import FifoChannel, RingChannel
+from zenoh.handlers import RingChannel
 
 from tsd_casadi.endpoints import check_endpoint, configure_runtime, session_settings
 from tsd_casadi.exceptions import EndpointTaken, TsdError
@@ -19,6 +19,7 @@ from tsd_casadi.keys import alive_key
 from tsd_casadi.messages import ErrorMessage
 
 JSON = zenoh.Encoding.APPLICATION_JSON
+WAITING_QUERIES = 64
 
 Answer = Callable[[zenoh.Query], None]
 
@@ -83,18 +84,21 @@ class Service:
         for thread in self._threads:
             thread.join(timeout=1.0)
 
-    def answer(self, key: str, answer: Answer, *, newest_only: bool = False) -> None:
+    def answer(self, key: str, answer: Answer) -> None:
         """Answer the queries on a key, one after another.
+
+        Under overload the oldest waiting queries are dropped, which their
+        clients notice at once. The channel must never block: Zenoh's own thread
+        would wait with it, keep-alives would stop and every client be cut off.
 
         Args:
             key: The key.
             answer: Replies to one query; a TsdError it raises becomes an error
                 reply.
-            newest_only: Drop the oldest waiting queries under overload, which
-                tells their clients at once, instead of making all wait.
         """
-        channel: Any = RingChannel(64) if newest_only else FifoChannel(256)
-        queryable: Any = self.session.declare_queryable(key, channel, complete=True)
+        queryable: Any = self.session.declare_queryable(
+            key, RingChannel(WAITING_QUERIES), complete=True
+        )
         self._queryables.append(queryable)  # undeclared when forgotten
         thread = threading.Thread(target=self._loop, args=(queryable, answer), daemon=True)
         self._threads.append(thread)

@@ -1,11 +1,6 @@
 """The JSON messages of the network, checked where they come in."""
 
-from tsd_casadi.messages.feedforward import (
-    BasisMessage,
-    FeedforwardMessage,
-    QuantityMessage,
-    json_schema,
-)
+from tsd_casadi.messages.feedforward import BasisMessage, FeedforwardMessage, QuantityMessage
 from tsd_casadi.messages.info import FieldMessage, InfoMessage
 from tsd_casadi.messages.learner import (
     ContextMessage,
@@ -15,7 +10,7 @@ from tsd_casadi.messages.learner import (
     RecordMessage,
     RecordReply,
 )
-from tsd_casadi.messages.message import ErrorMessage, Message
+from tsd_casadi.messages.message import ErrorMessage, Message, json_schema
 
 __all__ = [
     "BasisMessage",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -128,8 +127,3 @@ class FeedforwardMessage(Message):
             parameters={name: quantity.value for name, quantity in self.parameters.items()},
             provenance=self.provenance,
         )
-
-
-def json_schema() -> str:
-    """JSON schema of the feedforward message, for the docs."""
-    return json.dumps(FeedforwardMessage.model_json_schema(), indent=2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Annotated, TypeVar
 
 import numpy as np
@@ -13,6 +14,7 @@ from tsd_casadi.state import Matrix
 
 Finite = Annotated[float, Field(allow_inf_nan=False, ge=-1e9, le=1e9)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_.]*$", max_length=100)]
+MOST_FIELDS = 50
 AnyMessage = TypeVar("AnyMessage", bound="Message")
 
 
@@ -36,7 +38,17 @@ class Message(BaseModel):
             MalformedMessage: If it is no JSON or a field is wrong.
         """
         try:
-            message = cls.model_validate_json(payload)
+            document = from_json(payload)
+        except ValueError as error:
+            raise MalformedMessage(f"{cls.__name__}: {error}", "a JSON object") from error
+        # pydantic would list every unknown field, however many
+        if not isinstance(document, dict) or len(document) > MOST_FIELDS:
+            raise MalformedMessage(
+                f"{cls.__name__}: {type(document).__name__} of {len(payload)} bytes",
+                "a JSON object with its fields",
+            )
+        try:
+            message = cls.model_validate(document)
         except ValidationError as error:
             first = error.errors()[0]
             where = ".".join(map(str, first["loc"])) or "message"
@@ -44,7 +56,7 @@ class Message(BaseModel):
                 f"{cls.__name__}: {where}: {first['msg']}", "valid JSON of it"
             ) from error
         try:
-            # not even where any value may stand
+            # NaN is no JSON, not even where any value may stand
             from_json(payload, allow_inf_nan=False)
         except ValueError as error:
             raise MalformedMessage(f"{cls.__name__}: {error}", "finite numbers") from error
@@ -82,3 +94,12 @@ def to_matrix(name: str, rows: list[list[float]], shape: tuple[int, int]) -> Mat
     if len(rows) != shape[0] or any(len(row) != shape[1] for row in rows):
         raise MalformedMessage(f"{name} of another shape", f"{shape[0]} rows of {shape[1]} numbers")
     return np.array(rows, dtype=float)
+
+
+def json_schema(kind: type[Message]) -> str:
+    """JSON schema of a message, for the docs.
+
+    Args:
+        kind: The message's class.
+    """
+    return json.dumps(kind.model_json_schema(), indent=2)
