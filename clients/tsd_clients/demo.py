@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import json
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -44,9 +45,15 @@ class _Demo:
     """The runs of the demonstration, in order."""
 
     def __init__(
-        self, robot: Robot, controller: RemoteController, learner: RemoteLearner, seed: int
+        self,
+        robot: Robot,
+        controller: RemoteController,
+        learner: RemoteLearner,
+        seed: int,
+        save_log: Callable[[str, Run], None],
     ) -> None:
         self.robot = robot
+        self._save_log = save_log
         self.controller = controller
         self.learner = learner
         self.seed = seed
@@ -135,6 +142,7 @@ class _Demo:
     def _keep(self, label: str, run: Run) -> None:
         self._done += 1
         self.runs[label] = run
+        self._save_log(label, run)
 
 
 def run_demo(robot: Robot, out: Path, seed: int = 0) -> dict[str, Any]:
@@ -159,8 +167,15 @@ def run_demo(robot: Robot, out: Path, seed: int = 0) -> dict[str, Any]:
         (out / "logs").mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise TsdError(f"cannot write to {out}: {error}; choose another with --out") from error
-    with _services(robot) as (controller, learner):
-        demo = _Demo(robot, controller, learner, seed)
+    written: list[Future[None]] = []
+
+    # compressing a log takes half a second, which the next run does not need to wait
+    with ThreadPoolExecutor(1) as writer, _services(robot) as (controller, learner):
+
+        def save_log(label: str, run: Run) -> None:
+            written.append(writer.submit(run.save_log, out / "logs" / f"{_file_name(label)}.npz"))
+
+        demo = _Demo(robot, controller, learner, seed, save_log)
         with show_progress("demo", _number_of_runs()) as report:
             demo.play(report)
         served = controller.info().ticks_served
@@ -174,13 +189,10 @@ def run_demo(robot: Robot, out: Path, seed: int = 0) -> dict[str, Any]:
         "goals": _goals(runs),
         "seconds": monotonic() - start,
     }
-    with show_progress("writing", len(runs) + 2) as report:
-        for index, (label, run) in enumerate(runs.items()):
-            run.save_log(out / "logs" / f"{_file_name(label)}.npz")
-            report(index + 1, len(runs) + 2)
-        _draw(runs, out)
-        report(len(runs) + 1, len(runs) + 2)
-        pictures = render_squat(robot, runs[_label(AMPLITUDE, "learned, iteration 1")], out)
+    for future in written:
+        future.result()  # an error while writing is an error
+    _draw(runs, out)
+    pictures = render_squat(robot, runs[_label(AMPLITUDE, "learned, iteration 1")], out)
     summary["seconds"] = monotonic() - start
     (out / "summary.json").write_text(json.dumps(summary, indent=2))
     _print(summary, out, pictures)

@@ -24,7 +24,7 @@ from tsd_clients.mujoco_state import StateMap
 from tsd_clients.run import Run
 
 TIMESTEP = 1e-3  # s
-HOLD = 2.0  # s
+HOLD = 1.0  # s
 # laps added beyond those asked for while the feedback has not settled
 EXTRA_LAPS = 12
 # of the home height of the centre of mass

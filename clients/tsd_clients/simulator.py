@@ -102,7 +102,7 @@ class MujocoSimulator:
     ) -> Run:
         """Simulate one repetition in lock-step with a controller.
 
-        The robot holds home for two seconds with the feedforward of the
+        The robot holds home for one second with the feedforward of the
         starting phase, then moves. Laps are added until two consecutive ones
         agree, up to a bound.
 
