@@ -173,7 +173,7 @@ def test_silent_controller_is_reported_within_seconds(robot: tsd.Robot) -> None:
                 remote.tick(robot.home, remote.command())
         finally:
             service.process.send_signal(signal.SIGCONT)
-        assert time.monotonic() - start < 10.0
+        assert time.monotonic() - start < 15.0
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
