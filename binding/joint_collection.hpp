@@ -1,9 +1,8 @@
 // The joints that the symbolic model supports.
 //
 // Pinocchio's default collection has 25 joint types, and every algorithm is
-// instantiated for each of them. Humanoids need eight. A collection of our own
-// brings the compile time of this extension down by a factor of three and its
-// memory from over 4 GB to about 1 GB.
+// instantiated for each of them. Humanoids need nine. A collection of our own
+// keeps compile time and memory of this extension low.
 #pragma once
 
 #include "pinocchio/autodiff/casadi.hpp"

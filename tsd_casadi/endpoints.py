@@ -17,8 +17,8 @@ CONTROLLER = "tcp/127.0.0.1:7447"
 LEARNER = "tcp/127.0.0.1:7448"
 
 # One worker for all of Zenoh's threads: a tick then crosses fewer threads, which
-# takes a quarter off the median round trip and two thirds off its 99th percentile
-# on two cores. Not to be combined with batching switched off.
+# shortens the round trip and most of all its tail. Not to be combined with batching
+# switched off.
 RUNTIME = (
     "(rx:(worker_threads:1),tx:(handover:rx),net:(handover:rx),acc:(handover:rx),app:(handover:rx))"
 )

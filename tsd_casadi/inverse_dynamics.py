@@ -252,8 +252,8 @@ class InverseDynamics:
     def _add_posture(self) -> ca.Function:
         """The whole QP: the terms and the posture.
 
-        Written out in scalars, P_null would be 34 000 instructions; as a
-        matrix expression it stays a solve and four products.
+        Written out in scalars, P_null would dwarf everything else; as a matrix
+        expression it stays a solve and four products.
         """
         request = ca.MX.sym("request", self.request.size)
         names = [self.terms.name_out(i) for i in range(self.terms.n_out())]
