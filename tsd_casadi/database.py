@@ -14,41 +14,18 @@ from typing import Any
 import numpy as np
 import platformdirs
 
+from tsd_casadi.database_schema import prepare
 from tsd_casadi.entry import Entry, Iteration
 from tsd_casadi.entry_regression import EntryRegressions, describe_entries, describe_task
 from tsd_casadi.exceptions import DatabaseError, EntryNotFound, InvalidValue
 from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.motions.squat import UNITS
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.recording import Context, Recording, TaskKey
+from tsd_casadi.suggestion import Region, Suggestion, suggest
+from tsd_casadi.task_parameters import complete_parameters
 
-APPLICATION_ID = 0x54534443  # 'TSDC', in the file's header
-SCHEMA_VERSION = 1
-
-SCHEMA = """
-CREATE TABLE entry (
-    id INTEGER PRIMARY KEY AUTOINCREMENT,
-    robot TEXT NOT NULL,
-    task TEXT NOT NULL,
-    axes TEXT NOT NULL,           -- JSON list of 'task.axis'
-    parameters TEXT NOT NULL,     -- JSON object, SI units, rounded to 1e-6
-    basis_size INTEGER NOT NULL,  -- L
-    basis_width REAL NOT NULL,    -- h
-    context TEXT NOT NULL,        -- JSON: formulation, model, gains, version
-    learning_gain REAL NOT NULL,
-    rule TEXT NOT NULL,
-    updated TEXT NOT NULL,        -- ISO 8601, UTC
-    UNIQUE (robot, task, axes, parameters)
-);
-CREATE TABLE iteration (
-    entry INTEGER NOT NULL REFERENCES entry (id) ON DELETE CASCADE,
-    number INTEGER NOT NULL,
-    weights TEXT NOT NULL,        -- JSON, k rows of L numbers [m/s^2]
-    errors TEXT,                  -- JSON object, NULL while untested
-    gains TEXT,                   -- JSON object, the gains of that test
-    PRIMARY KEY (entry, number)
-);
-"""
+# what a test leaves in its iteration, as weights
+FITTED = ("feedback", "error_weights", "reference_weights")
 
 
 def default_path() -> Path:
@@ -85,7 +62,7 @@ class Database:
                 self.path, f"cannot be opened ({error})", "name a file in a folder you may write to"
             ) from error
         try:
-            self._prepare()
+            prepare(self._connection)
         except sqlite3.OperationalError as error:
             self._connection.close()
             raise DatabaseError(
@@ -133,15 +110,19 @@ class Database:
             The entry as it is now, and remarks for the user.
 
         Raises:
+            InvalidValue: If a task parameter is missing or makes no sense.
             IncompatibleEntry: If it does not fit the entry.
         """
+        key = recording.key
+        parameters = complete_parameters(key.task, dict(key.parameters))
+        key = TaskKey.of(key.robot, key.task, key.axes, parameters)
         with self._transaction("IMMEDIATE"):
-            entry = self._find(recording.key)
+            entry = self._find(key)
             if entry is not None and recording.restart:
                 self._delete(entry.identifier)
                 entry = None
             if entry is None:
-                entry = Entry(recording.key, recording.basis, recording.context)
+                entry = Entry(key, recording.basis, recording.context)
             notes = entry.add(recording)
             self._store(entry)
         return entry, notes
@@ -183,25 +164,23 @@ class Database:
                 over the other entries; by default the exact entry where there
                 is one.
             extrapolate: Generalise outside the learned range too.
-            parameters: Task parameters, SI units.
+            parameters: Task parameters, SI units; those with a default may be
+                left out.
 
         Returns:
             The feedforward.
 
         Raises:
-            InvalidValue: If a parameter is missing or the kind unknown.
+            InvalidValue: If a parameter is missing or makes no sense, or the
+                kind is unknown.
             EntryNotFound: If nothing fits.
             OutsideTrainedRange: If it would be an extrapolation.
         """
         if kind not in (None, "learned", "generalised"):
             raise InvalidValue("kind", repr(kind), "learned or generalised")
-        missing = [name for name in UNITS if name not in parameters]
-        if missing:
-            raise InvalidValue(
-                "the query", f"without {' and '.join(missing)}", f"all of {', '.join(UNITS)}"
-            )
+        complete = complete_parameters(task, parameters)
         entries = self._candidates(task, robot)
-        wanted = tuple(sorted((name, round(value, 6)) for name, value in parameters.items()))
+        wanted = TaskKey.of("", task, (), complete).parameters
         exact = [entry for entry in entries if entry.key.parameters == wanted]
         if exact and kind in (None, "learned"):
             # the same parameters with other axes are another entry: the newest counts
@@ -213,6 +192,35 @@ class Database:
                 "generalised feedforward"
             )
         return self._regressions.generalise(task, entries, dict(wanted), extrapolate)
+
+    def suggest(
+        self,
+        task: str,
+        *,
+        robot: str | None = None,
+        region: Region,
+        **parameters: float,
+    ) -> Suggestion:
+        """The task parameters whose repetition would teach most.
+
+        Args:
+            task: Name of the motion.
+            robot: Name of the robot; may be left out while there is only one.
+            region: (low, high) of each parameter that may be chosen, SI units.
+            parameters: The other task parameters, SI units; those with a
+                default may be left out.
+
+        Returns:
+            Parameters, with the predicted standard deviation there.
+
+        Raises:
+            InvalidValue: If a parameter is missing or makes no sense, or the
+                region is empty.
+            EntryNotFound: If the entries do not fit together, or every place in
+                the region has one.
+        """
+        entries = self._candidates(task, robot)
+        return suggest(task, entries, self._regressions, region, parameters)
 
     def _candidates(self, task: str, robot: str | None) -> list[Entry]:
         entries = self.entries(robot, task)
@@ -244,10 +252,15 @@ class Database:
                 np.array(json.loads(weights)),
                 json.loads(errors) if errors else None,
                 json.loads(gains) if gains else None,
+                learned_from=learned_from,
+                **{
+                    name: np.array(json.loads(text)) if text else None
+                    for name, text in zip(FITTED, fitted, strict=True)
+                },
             )
-            for number, weights, errors, gains in self._execute(
-                "SELECT number, weights, errors, gains FROM iteration WHERE entry = ? "
-                "ORDER BY number",
+            for number, learned_from, weights, errors, gains, *fitted in self._execute(
+                "SELECT number, learned_from, weights, errors, gains, feedback, error_weights, "
+                "reference_weights FROM iteration WHERE entry = ? ORDER BY number",
                 (row[0],),
             )
         ]
@@ -295,54 +308,24 @@ class Database:
         self._execute("DELETE FROM iteration WHERE entry = ?", (entry.identifier,))
         for iteration in entry.iterations:
             self._execute(
-                "INSERT INTO iteration (entry, number, weights, errors, gains) "
-                "VALUES (?, ?, ?, ?, ?)",
+                "INSERT INTO iteration (entry, number, learned_from, weights, errors, gains, "
+                "feedback, error_weights, reference_weights) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 (
                     entry.identifier,
                     iteration.number,
+                    iteration.learned_from,
                     json.dumps(iteration.weights.tolist()),
                     json.dumps(iteration.errors) if iteration.errors else None,
                     json.dumps(iteration.gains) if iteration.errors else None,
+                    *(
+                        None if fitted is None else json.dumps(fitted.tolist())
+                        for fitted in (getattr(iteration, name) for name in FITTED)
+                    ),
                 ),
             )
 
     def _delete(self, identifier: int) -> None:
         self._execute("DELETE FROM entry WHERE id = ?", (identifier,))
-
-    def _prepare(self) -> None:
-        if not self._is_ours():
-            # another process may be making the same file: look again once it is done
-            self._connection.execute("BEGIN IMMEDIATE")
-            if not self._is_ours():
-                for statement in SCHEMA.split(";\n")[:-1]:
-                    self._connection.execute(statement)
-                self._connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-                self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
-            self._connection.execute("COMMIT")
-        # a file that cannot be written to is told now, not at the first recording
-        self._connection.execute("BEGIN IMMEDIATE")
-        self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
-        self._connection.execute("COMMIT")
-        self._connection.execute("PRAGMA foreign_keys = ON")
-
-    def _is_ours(self) -> bool:
-        """Whether the file has our tables; False for a new file.
-
-        Raises:
-            sqlite3.DatabaseError: If it is somebody else's.
-        """
-        (tables,) = self._connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
-        (application,) = self._connection.execute("PRAGMA application_id").fetchone()
-        (version,) = self._connection.execute("PRAGMA user_version").fetchone()
-        if tables == 0 and application == 0:
-            return False
-        if application != APPLICATION_ID:
-            raise sqlite3.DatabaseError("another application's file")
-        if version != SCHEMA_VERSION:
-            raise sqlite3.DatabaseError(
-                f"schema version {version}, this software knows {SCHEMA_VERSION}"
-            )
-        return True
 
     def _execute(self, statement: str, values: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
         try:

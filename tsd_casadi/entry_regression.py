@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
+
+import numpy as np
 
 from tsd_casadi.entry import Entry
 from tsd_casadi.exceptions import EntryNotFound
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.generalization import WeightRegression
-from tsd_casadi.motions.squat import UNITS
+from tsd_casadi.task_parameters import unit_of
 
-# the parameter that is regressed over; the others must be equal
-PARAMETER = "amplitude"
-# fits that are kept, one per group of entries with the same other parameters
+MINIMUM_ENTRIES = 2
+# fits that are kept, one per group of entries
 KEPT_FITS = 32
 
-_Content = tuple[tuple[float, ...], bytes]
+_Content = tuple[str, tuple[str, ...], bytes, bytes]
 
 
 class EntryRegressions:
@@ -33,36 +34,49 @@ class EntryRegressions:
         Args:
             task: Name of the motion, for errors.
             entries: Entries of the task on one robot.
-            wanted: Task parameters, SI units.
+            wanted: All task parameters, SI units.
             extrapolate: Answer outside the learned range too.
 
         Returns:
             The feedforward, with the entries used as its provenance.
 
         Raises:
-            EntryNotFound: If there are too few entries, or they do not fit
-                together.
+            EntryNotFound: If there are too few entries, they do not fit
+                together, or all of them have a parameter that is not the wanted.
             OutsideTrainedRange: If it would be an extrapolation.
         """
-        others = [entry for entry in entries if _is_beside(entry, wanted)]
-        if not others:
+        others = [
+            entry
+            for entry in entries
+            if is_learned(entry, wanted) and dict(entry.key.parameters) != wanted
+        ]
+        if len(others) < MINIMUM_ENTRIES:
             raise EntryNotFound(
-                f"nothing to generalise from for {describe_task(task, wanted.items())}; "
-                f"there is {describe_entries(entries)}. Learn other amplitudes at this frequency"
+                f"generalising for {describe_task(task, wanted.items())} needs at least "
+                f"{MINIMUM_ENTRIES} learned entries beside that one; there is "
+                f"{describe_entries(entries)}. Learn more of them"
             )
-        _check_same_basis(others)
-        inputs = [_parameter(entry) for entry in others]
+        regression = self.over(task, others)
+        for name, value in wanted.items():
+            learned = dict(others[0].key.parameters)[name]
+            if name not in regression.names and learned != value:
+                unit = unit_of(task, name)
+                raise EntryNotFound(
+                    f"every learned {task} has {name} {learned:g} {unit}, none can be generalised "
+                    f"to {value:g} {unit}; learn some at other values of {name}"
+                )
+        weights, deviations = regression.predict(wanted, extrapolate=extrapolate)
         served = [entry.served for entry in others]
-        regression = self._fit(inputs, others)
-        weights, deviations = regression.predict(wanted[PARAMETER], extrapolate=extrapolate)
         provenance = {
             "entries": [entry.identifier for entry in others],
-            "amplitudes": inputs,
+            "parameters": [dict(entry.key.parameters) for entry in others],
             "iterations": [iteration.number for iteration in served],
             "iteration": min(iteration.number for iteration in served),
             "errors": [iteration.errors for iteration in served],
             "gains": [entry.context.gains for entry in others],
             "kernel": regression.kernel,
+            "length_scales": regression.length_scales,
+            "calibration": regression.calibration,
             "formulation": others[0].context.formulation,
         }
         return Feedforward(
@@ -75,28 +89,54 @@ class EntryRegressions:
             provenance=provenance,
         )
 
-    def _fit(self, inputs: list[float], entries: list[Entry]) -> WeightRegression:
+    def over(self, task: str, entries: Sequence[Entry]) -> WeightRegression:
+        """The regression over all parameters in which some entries differ.
+
+        Args:
+            task: Name of the motion.
+            entries: Learned entries with the same names of parameters.
+
+        Raises:
+            EntryNotFound: If they are too few or do not fit together.
+        """
+        _check_same_basis(entries)
+        parameters = [dict(entry.key.parameters) for entry in entries]
+        names = varied_parameters(entries)
+        inputs = np.array([[each[name] for name in names] for each in parameters])
         weights = [entry.served.weights for entry in entries]
-        content = tuple(inputs), b"".join(matrix.tobytes() for matrix in weights)
+        content = task, names, inputs.tobytes(), np.stack(weights).tobytes()
         if content not in self._fits:
+            regression = WeightRegression(task, names, inputs, weights, entries[0].basis)
             if len(self._fits) >= KEPT_FITS:
                 self._fits.pop(next(iter(self._fits)))  # the oldest
-            self._fits[content] = WeightRegression(PARAMETER, UNITS[PARAMETER], inputs, weights)
+            self._fits[content] = regression
         return self._fits[content]
 
 
-def _parameter(entry: Entry) -> float:
-    return dict(entry.key.parameters)[PARAMETER]
+def is_learned(entry: Entry, names: Collection[str]) -> bool:
+    """Whether an entry has these parameters and no others, and learned something.
+
+    Args:
+        entry: The entry.
+        names: Names of the parameters.
+    """
+    return dict(entry.key.parameters).keys() == set(names) and entry.served.number > 0
 
 
-def _is_beside(entry: Entry, wanted: dict[str, float]) -> bool:
-    """Learned, at another amplitude and otherwise equal parameters."""
-    parameters = dict(entry.key.parameters)
-    equal_otherwise = {**parameters, PARAMETER: wanted[PARAMETER]} == wanted
-    return equal_otherwise and parameters != wanted and entry.served.number > 0
+def varied_parameters(entries: Sequence[Entry]) -> tuple[str, ...]:
+    """Names of the parameters in which some entries differ.
+
+    Args:
+        entries: Entries with the same names of parameters.
+    """
+    columns: dict[str, set[float]] = {}
+    for entry in entries:
+        for name, value in entry.key.parameters:
+            columns.setdefault(name, set()).add(value)
+    return tuple(name for name, values in columns.items() if len(values) > 1)
 
 
-def _check_same_basis(entries: list[Entry]) -> None:
+def _check_same_basis(entries: Sequence[Entry]) -> None:
     kinds = {(entry.basis, entry.key.axes, entry.context.formulation) for entry in entries}
     if len(kinds) > 1:
         raise EntryNotFound(

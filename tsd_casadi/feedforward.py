@@ -22,8 +22,8 @@ class Feedforward:
         axes: Names 'task.axis' of the k axes.
         basis: The basis of the weights.
         weights: (k, L) [m/s^2].
-        standard_deviations: Predictive standard deviation of the weights,
-            (k, L) [m/s^2]; zero for a learned entry.
+        standard_deviations: Weights of its predictive standard deviation over
+            the phase, (k, L) [m/s^2]; zero for a learned entry.
         kind: How it came about.
         parameters: Task parameters it is meant for, SI units.
         provenance: Where it comes from, plain data.
@@ -60,7 +60,7 @@ class Feedforward:
         return self.basis.evaluate(phase, self.weights)
 
     def std(self, phase: ArrayLike) -> Matrix:
-        """Its predictive standard deviation, weights taken as independent.
+        """Its predictive standard deviation, in the basis of the mean.
 
         Args:
             phase: (N,) [rad].
@@ -68,8 +68,7 @@ class Feedforward:
         Returns:
             (k, N) [m/s^2].
         """
-        variance = self.standard_deviations**2 @ (self.basis.values(phase) ** 2).T
-        return np.asarray(np.sqrt(variance))
+        return self.basis.evaluate(phase, self.standard_deviations)
 
     def constant(self) -> Feedforward:
         """Only its mean over a lap: what an integrator would settle at."""

@@ -2,43 +2,59 @@ r"""From task parameters to weights by Gaussian process regression [generalizati
 
 .. math:: F_{D_b}: \kappa \mapsto w
 
-One process over amplitude, shared by all weights, each weight standardised.
-Hyperparameters are fitted once per database content; a query is a few matrix
-products.
+One process over all task parameters that differ, shared by all weights: a
+Matern 5/2 kernel with a length scale for each parameter, and noise. It is less
+smooth than the usual squared exponential, as friction's steps over the phase
+move with the parameters. Hyperparameters are fitted once per database content;
+a query is a few matrix products.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
+from tsd_casadi.calibration import deviation_scale, lap, leave_one_out, student_factor
 from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
+from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix, Vector
+from tsd_casadi.task_parameters import unit_of
 
-MINIMUM_ENTRIES = 2
+# least noise, as a share of the weights' variance: friction's steps also change
+# over distances that a dozen entries do not resolve
+LEAST_NOISE = 3e-4
 
 
 class WeightRegression:
-    """Gaussian process over one task parameter for all weights at once.
+    """Gaussian process over some task parameters for all weights at once.
 
     Attributes:
-        parameter: Name of the task parameter.
-        unit: Its unit.
-        inputs: Learned values, (n,), sorted.
+        task: Name of the motion.
+        names: Names of the task parameters, d of them.
+        low: Smallest learned value of each, (d,).
+        high: Largest learned value of each, (d,).
     """
 
     def __init__(
-        self, parameter: str, unit: str, inputs: Sequence[float], weights: Sequence[Matrix]
+        self,
+        task: str,
+        names: Sequence[str],
+        inputs: Matrix,
+        weights: Sequence[Matrix],
+        basis: PeriodicBasis,
     ) -> None:
         """Fit hyperparameters.
 
         Args:
-            parameter: Name of the task parameter.
-            unit: Its unit.
-            inputs: Learned values, at least two different ones.
-            weights: Learned weights, (k, L) each.
+            task: Name of the motion.
+            names: Names of the task parameters.
+            inputs: Learned values, (n, d), each parameter with two different
+                ones at least.
+            weights: Learned weights, n times (k, L).
+            basis: Their basis.
 
         Raises:
             EntryNotFound: If there are too few entries.
@@ -46,56 +62,118 @@ class WeightRegression:
         # imported here: it takes longer than everything else at start-up
         from sklearn.exceptions import ConvergenceWarning
         from sklearn.gaussian_process import GaussianProcessRegressor
-        from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
-        if len(inputs) < MINIMUM_ENTRIES:
+        least = max(len(names) + 1, 2)
+        if len(inputs) < least:
             raise EntryNotFound(
-                f"generalising over {parameter} needs at least {MINIMUM_ENTRIES} learned "
-                f"entries beside the queried one, there are {len(inputs)}; learn more of them"
+                f"generalising over {' and '.join(names) or task} needs at least {least} "
+                f"learned entries beside the queried one, there are {len(inputs)}; learn more"
             )
-        order = np.argsort(inputs)
-        self.parameter = parameter
-        self.unit = unit
-        self.inputs: Vector = np.asarray(inputs, dtype=float)[order]
+        self.task = task
+        self.names = tuple(names)
+        self.basis = basis
+        self.low: Vector = inputs.min(axis=0)
+        self.high: Vector = inputs.max(axis=0)
+        self._inputs = self._scale(inputs)
         self._shape = weights[0].shape
-        targets = np.stack([weights[i].ravel() for i in order])
-        self._low = self.inputs[0]
-        self._span = self.inputs[-1] - self.inputs[0]
-        # inputs on [0, 1]: a length scale of one spans the database
-        kernel = ConstantKernel(1.0, (1e-2, 1e4)) * RBF(1.0, (0.2, 20.0)) + WhiteKernel(
-            1e-4, (1e-8, 1e-1)
-        )
-        self._process = GaussianProcessRegressor(
-            kernel=kernel, normalize_y=True, n_restarts_optimizer=2, random_state=0
+        targets = np.stack([matrix.ravel() for matrix in weights])
+        self._mean = targets.mean(axis=0)
+        # one spread for all: what hardly varies has nothing to say of the kernel
+        self._spread = float(np.sqrt(np.mean(targets.var(axis=0)))) or 1.0
+        targets = (targets - self._mean) / self._spread
+        process = GaussianProcessRegressor(
+            _kernel(len(names)), alpha=0.0, n_restarts_optimizer=2, random_state=0
         )
         with warnings.catch_warnings():
-            # a bound that is met is a sensible answer for four entries
+            # a bound that is met is a sensible answer for a few entries
             warnings.simplefilter("ignore", ConvergenceWarning)
-            self._process.fit(self._scale(self.inputs), targets)
+            process.fit(self._inputs, targets)
+        self._kernel = process.kernel_
+        covariance = process.L_ @ process.L_.T
+        self._inverse = np.linalg.inv(covariance)
+        self._coefficients = self._inverse @ targets
+        residuals, deviations = leave_one_out(covariance, targets)
+        self._residuals = (residuals * self._spread).reshape(-1, *self._shape)
+        self._deviation_scale = deviation_scale(basis, self._residuals / deviations[:, None, None])
 
     @property
     def kernel(self) -> str:
         """The fitted kernel, for people."""
-        return str(self._process.kernel_)
+        return str(self._kernel)
 
-    def predict(self, value: float, *, extrapolate: bool = False) -> tuple[Matrix, Matrix]:
-        """Weights for a value of the parameter.
+    @property
+    def length_scales(self) -> dict[str, float]:
+        """Over what distance each parameter changes the weights, 1 for the learned range."""
+        scales = np.atleast_1d(self._kernel.k1.k2.length_scale)
+        return {name: float(scale) for name, scale in zip(self.names, scales, strict=True)}
+
+    @property
+    def calibration(self) -> dict[str, Any]:
+        """How well the entries are predicted from one another, plain data."""
+        residuals = self._residuals @ self.basis.values(lap(self.basis)).T
+        return {
+            "method": "leave-one-out",
+            "residuals": np.sqrt(np.mean(residuals**2, axis=(1, 2))).tolist(),
+            "unit": "m/s^2",
+            "student_factor": student_factor(len(residuals)),
+        }
+
+    def predict(
+        self, parameters: Mapping[str, float], *, extrapolate: bool = False
+    ) -> tuple[Matrix, Matrix]:
+        """Weights for some values of the parameters.
 
         Args:
-            value: The value.
+            parameters: The values by name; others than the regression's are
+                not looked at.
             extrapolate: Answer outside the learned range too.
 
         Returns:
-            Mean and standard deviation, (k, L) each.
+            Mean, and weights of the predictive standard deviation of the
+            feedforward over the phase, (k, L) each.
 
         Raises:
-            OutsideTrainedRange: If the value is outside and that was not asked for.
+            OutsideTrainedRange: If a value is outside and that was not asked for.
         """
-        low, high = float(self.inputs[0]), float(self.inputs[-1])
-        if not extrapolate and not low <= value <= high:
-            raise OutsideTrainedRange(self.parameter, value, low, high, self.unit)
-        mean, std = self._process.predict(self._scale(np.array([value])), return_std=True)
-        return mean.reshape(self._shape), std.reshape(self._shape)
+        values = np.array([parameters[name] for name in self.names])
+        if not extrapolate:
+            for name, value, low, high in zip(self.names, values, self.low, self.high, strict=True):
+                if not low <= value <= high:
+                    raise OutsideTrainedRange(
+                        name, float(value), float(low), float(high), unit_of(self.task, name)
+                    )
+        covariance = self._kernel(self._scale(values[None, :]), self._inputs)
+        mean = self._mean + self._spread * (covariance @ self._coefficients)[0]
+        deviation = self._unit_deviation(values[None, :])[0]
+        return mean.reshape(self._shape), deviation * self._deviation_scale
 
-    def _scale(self, values: Vector) -> Matrix:
-        return np.asarray(((values - self._low) / self._span)[:, None])
+    def deviation(self, values: Matrix) -> Vector:
+        """How uncertain the feedforward is, also outside the learned range.
+
+        Args:
+            values: Values of the parameters, (m, d).
+
+        Returns:
+            Predictive standard deviation, RMS over the lap and the axes, (m,)
+            [m/s^2].
+        """
+        scale = self.basis.evaluate(lap(self.basis), self._deviation_scale)
+        return np.asarray(np.sqrt(np.mean(scale**2)) * self._unit_deviation(values))
+
+    def _unit_deviation(self, values: Matrix) -> Vector:
+        """Standard deviation of a standardised weight, (m,)."""
+        points = self._scale(values)
+        covariance = self._kernel(points, self._inputs)
+        explained = np.einsum("ij,jk,ik->i", covariance, self._inverse, covariance)
+        return np.asarray(np.sqrt(self._kernel.diag(points) - explained))
+
+    def _scale(self, values: Matrix) -> Matrix:
+        """The learned range is [0, 1] for each parameter."""
+        return np.asarray((values - self.low) / (self.high - self.low))
+
+
+def _kernel(parameters: int) -> Any:
+    from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+
+    smooth = Matern(np.ones(parameters), (0.1, 100.0), nu=2.5)
+    return ConstantKernel(1.0, (1e-2, 1e3)) * smooth + WhiteKernel(1e-3, (LEAST_NOISE, 1.0))

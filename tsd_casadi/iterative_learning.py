@@ -1,4 +1,4 @@
-r"""The learning update [x_fb_i-1].
+r"""The learning update [x_fb_i-1], as in the paper and made stable.
 
 .. math::
 
@@ -7,20 +7,51 @@ r"""The learning update [x_fb_i-1].
 
 What the feedback had to add in one repetition is added to the feedforward of
 the next. Both are linear in their weights over the same basis, so the sum is
-taken there.
+taken there (``update_weights``).
+
+``update_stably`` differs in three ways. It recomputes the feedback from the
+position error, :math:`C e` with :math:`C = P + D s`, since a measured velocity
+lags and a feedback of zero then leaves an error. It passes through the filter
+of ``learning_filter``, without which lag and delay make high harmonics grow.
+And it shifts what was learned from where the robot was to where it should have
+been (``task_dynamics``).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tsd_casadi.harmonics import (
+    Harmonics,
+    analyse,
+    highest_harmonic,
+    sample_phases,
+    synthesise,
+    to_harmonics,
+    to_weights,
+)
 from tsd_casadi.laps import Lap, join_laps
+from tsd_casadi.learning_filter import LearningFilter, design_filter
+from tsd_casadi.loop_response import estimate_response
 from tsd_casadi.periodic_basis import PeriodicBasis
-from tsd_casadi.state import Matrix
+from tsd_casadi.state import Matrix, Vector
+from tsd_casadi.task_dynamics import shift_to_reference
+
+# older repetitions say little about where the robot is now; on the response all
+# count, since those that hardly change any more say nothing about it
+POSITION_MEMORY = 3
+# the shift may make up for this share of the position feedback P e and no more,
+# so that an error of zero stays the only place where learning comes to rest
+LARGEST_SHIFT = 0.5
 
 
 def update_weights(
     applied: Matrix, laps: list[Lap], basis: PeriodicBasis, gain: float = 1.0
 ) -> Matrix:
-    """Weights for the next repetition.
+    """Weights for the next repetition by the paper's rule.
 
     Args:
         applied: Weights that the recorded repetition used, (k, L) [m/s^2].
@@ -33,3 +64,129 @@ def update_weights(
     """
     phase, feedback = join_laps(laps)
     return applied + gain * basis.fit(phase, feedback)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What one repetition showed.
+
+    Attributes:
+        weights: Feedforward in use, (k, L) [m/s^2].
+        error: Position error, fitted, (k, L) [m].
+        reference: Position reference, fitted, (k, L) [m].
+    """
+
+    weights: Matrix
+    error: Matrix
+    reference: Matrix
+
+
+@dataclass(frozen=True)
+class StableUpdate:
+    """The outcome of ``update_stably``.
+
+    Attributes:
+        weights: For the next repetition, (k, L) [m/s^2].
+        filters: The filter of each axis.
+    """
+
+    weights: Matrix
+    filters: tuple[LearningFilter, ...]
+
+
+def update_stably(
+    trials: Sequence[Trial],
+    basis: PeriodicBasis,
+    frequency: float,
+    P: Sequence[float],
+    D: Sequence[float],
+    gain: float = 1.0,
+) -> StableUpdate:
+    """Weights for the next repetition from all repetitions so far.
+
+    Args:
+        trials: Repetitions of one motion at the same gains, the one to go on
+            from last.
+        basis: The basis of all weights.
+        frequency: Laps per second [Hz].
+        P: Stiffness of each axis, positive, (k,) [1/s^2].
+        D: Damping of each axis, (k,) [1/s].
+        gain: Share of the change that is made.
+
+    Returns:
+        The weights and the filters.
+    """
+    omega = angular_frequencies(basis, frequency)
+    recent = trials[-POSITION_MEMORY:]
+    u, e = _harmonics_of(recent, basis)
+    x_ref = to_harmonics(basis, trials[-1].reference)
+    filters = design_filters(trials, basis, frequency, P, D)
+    after = np.empty_like(u[-1])
+    for axis, learning_filter in enumerate(filters):
+        C = np.asarray(P[axis] + 1j * omega * D[axis], dtype=complex)
+        shift = _shift(u[:, axis], e[:, axis], x_ref[axis], C, omega)
+        after[axis] = learning_filter.apply(u[-1, axis] + shift, C * e[-1, axis])
+    weights = to_weights(basis, u[-1] + gain * (after - u[-1]))
+    return StableUpdate(weights, filters)
+
+
+def design_filters(
+    trials: Sequence[Trial],
+    basis: PeriodicBasis,
+    frequency: float,
+    P: Sequence[float],
+    D: Sequence[float],
+) -> tuple[LearningFilter, ...]:
+    """The filter of each axis, from the response that some repetitions show.
+
+    Args:
+        trials: As in ``update_stably``.
+        basis: The basis of all weights.
+        frequency: Laps per second [Hz].
+        P: Stiffness of each axis, positive, (k,) [1/s^2].
+        D: Damping of each axis, (k,) [1/s].
+    """
+    omega = angular_frequencies(basis, frequency)
+    u, e = _harmonics_of(trials, basis)
+    return tuple(
+        design_filter(
+            estimate_response(u[:, axis], e[:, axis], omega, P[axis], D[axis]),
+            omega,
+            P[axis],
+            D[axis],
+        )
+        for axis in range(u.shape[1])
+    )
+
+
+def angular_frequencies(basis: PeriodicBasis, frequency: float) -> Vector:
+    """Of the harmonics that a basis holds.
+
+    Args:
+        basis: The basis.
+        frequency: Laps per second [Hz].
+
+    Returns:
+        (N + 1,) [rad/s].
+    """
+    return np.asarray(2 * np.pi * frequency * np.arange(highest_harmonic(basis) + 1.0))
+
+
+def _harmonics_of(trials: Sequence[Trial], basis: PeriodicBasis) -> tuple[Harmonics, Harmonics]:
+    """Feedforward and error of some repetitions, (r, k, N + 1) each."""
+    return (
+        np.array([to_harmonics(basis, trial.weights) for trial in trials]),
+        np.array([to_harmonics(basis, trial.error) for trial in trials]),
+    )
+
+
+def _shift(u: Harmonics, e: Harmonics, x_ref: Harmonics, C: Harmonics, omega: Vector) -> Harmonics:
+    """g(x_ref) - g(x) of the newest repetition, in harmonics."""
+    accelerations = synthesise(u + C * e - omega**2 * e)
+    errors = synthesise(e)
+    reference = synthesise(x_ref[None, :])[0]
+    shift = shift_to_reference(
+        sample_phases(), list(reference - errors), list(accelerations), reference
+    )
+    bound = LARGEST_SHIFT * C[0].real * np.abs(errors[-1])
+    return analyse(np.clip(shift, -bound, bound), len(omega) - 1)

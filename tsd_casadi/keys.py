@@ -5,6 +5,7 @@
     tsd/<robot>/controller/tick      state and command -> torque (binary)
     tsd/<robot>/controller/info      dimensions, layouts, limits (JSON)
     tsd/<robot>/learner/feedforward  task parameters -> feedforward (JSON)
+    tsd/<robot>/learner/suggestion   a region of them -> where to learn next (JSON)
     tsd/<robot>/learner/record       laps of one repetition -> what was learned (JSON)
     tsd/<robot>/learner/database     what is known (JSON)
     tsd/<robot>/<role>/alive         liveliness token
@@ -30,6 +31,11 @@ def info_key(robot: str) -> str:
 def feedforward_key(robot: str) -> str:
     """Key of learned and generalised feedforward."""
     return f"tsd/{robot}/learner/feedforward"
+
+
+def suggestion_key(robot: str) -> str:
+    """Key of the place to learn at next."""
+    return f"tsd/{robot}/learner/suggestion"
 
 
 def record_key(robot: str) -> str:

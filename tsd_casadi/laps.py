@@ -21,10 +21,15 @@ class Lap:
     Attributes:
         phase: (N,) [rad].
         feedback: Feedback term along the learned axes, (k, N) [m/s^2].
+        error: Position error x_ref - x there, (k, N) [m]; None if it was not
+            recorded, which is enough for the paper's rule.
+        reference: x_ref, (k, N) [m]; None together with the error.
     """
 
     phase: Vector
     feedback: Matrix
+    error: Matrix | None = None
+    reference: Matrix | None = None
 
 
 def join_laps(laps: Sequence[Lap]) -> tuple[Vector, Matrix]:
@@ -38,6 +43,22 @@ def join_laps(laps: Sequence[Lap]) -> tuple[Vector, Matrix]:
     """
     phase = np.concatenate([lap.phase for lap in laps])
     return phase, np.concatenate([lap.feedback for lap in laps], axis=1)
+
+
+def join_positions(laps: Sequence[Lap]) -> tuple[Matrix, Matrix] | None:
+    """All errors and references of some laps.
+
+    Args:
+        laps: At least one.
+
+    Returns:
+        Error and reference, (k, N) [m]; None if a lap has none.
+    """
+    errors = [lap.error for lap in laps if lap.error is not None]
+    references = [lap.reference for lap in laps if lap.reference is not None]
+    if len(errors) < len(laps) or len(references) < len(laps):
+        return None
+    return np.concatenate(errors, axis=1), np.concatenate(references, axis=1)
 
 
 def _agree(one: Lap, other: Lap) -> bool:

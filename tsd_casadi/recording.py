@@ -8,11 +8,12 @@ from typing import Any, Literal
 import numpy as np
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.laps import Lap
+from tsd_casadi.feedback_loop import require_loop
+from tsd_casadi.laps import Lap, join_positions
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix
 
-Rule = Literal["guarded", "plain"]
+Rule = Literal["guarded", "plain", "stable"]
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,9 @@ class Recording:
         laps: Whole steady laps with the feedback term.
         errors: Measures of the repetition; 'rms_error_m' decides what is worse.
         context: Circumstances.
-        rule: 'guarded' never serves what proved worse, 'plain' is the paper's sum.
+        rule: 'plain' is the paper's sum; 'guarded' the same, never serving what
+            proved worse; 'stable' is guarded, and filters by the estimated
+            response of the loop.
         update: False to note the errors only, without learning from the laps.
         restart: Forget the entry first.
     """
@@ -92,14 +95,32 @@ class Recording:
         """Refuse numbers that nothing can be learned from.
 
         Raises:
-            InvalidValue: If weights, laps or errors are not finite.
+            InvalidValue: If weights, laps or errors are not finite, laps are
+                missing, or the rule is 'stable' and positions, frequency or
+                gains are not known.
         """
         if not np.isfinite(self.errors.get("rms_error_m", np.nan)):
             raise InvalidValue("rms_error_m", self.errors.get("rms_error_m"), "a number of metres")
+        if not self.laps:
+            raise InvalidValue("laps", "none", "at least one whole steady lap")
+        if self.rule == "stable":
+            self._check_stable()
         for name, values in (
             ("the applied weights", self.applied),
-            *((f"lap {index}", lap.feedback) for index, lap in enumerate(self.laps)),
-            *((f"lap {index}", lap.phase) for index, lap in enumerate(self.laps)),
+            *(
+                (f"lap {index}", values)
+                for index, lap in enumerate(self.laps)
+                for values in (lap.phase, lap.feedback, lap.error, lap.reference)
+                if values is not None
+            ),
         ):
             if not np.isfinite(values).all():
                 raise InvalidValue(name, "not finite", "finite numbers")
+
+    def _check_stable(self) -> None:
+        """Refuse what the rule 'stable' cannot filter."""
+        if join_positions(self.laps) is None:
+            raise InvalidValue(
+                "laps", "without error and reference", "both for the rule 'stable', or another rule"
+            )
+        require_loop(self.key.axes, dict(self.key.parameters), self.context.gains)

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio
 
 import tsd_models
-from tsd_casadi.exceptions import RobotFileError, UnknownRobot
+from tsd_casadi.exceptions import InvalidValue, RobotFileError, UnknownRobot
 from tsd_casadi.robot_file import RobotFile, read_robot_file
 from tsd_casadi.state import State, Vector
 
@@ -55,7 +55,7 @@ class Robot:
         digest = hashlib.sha256(self.path.read_bytes())
         digest.update(self.urdf_path.read_bytes())
         self.fingerprint = digest.hexdigest()[:16]
-        self._check_home()
+        self._check_postures()
         self._check_mobility()
 
     @property
@@ -92,17 +92,71 @@ class Robot:
     @cached_property
     def home(self) -> State:
         """Home posture at rest, soles flat on the ground plane z = 0."""
-        q = pinocchio.neutral(self.model)
-        for joint, angle in self.description.home.items():
-            q[self.model.joints[self.model.getJointId(joint)].idx_q] = angle
-        placements = self._contact_placements(q)
-        q[2] -= np.mean([placement.translation[2] for placement in placements])
-        return State(q=q, v=np.zeros(self.nv))
+        return self._standing(self.description.home)
+
+    def posture(self, name: str) -> State:
+        """A posture of the robot file at rest, soles flat on the ground plane z = 0.
+
+        Args:
+            name: 'home' or one of the file's ``postures``.
+
+        Raises:
+            InvalidValue: If there is none of that name.
+        """
+        if name == "home":
+            return self.home
+        postures = self.description.postures
+        if name not in postures:
+            raise InvalidValue("posture", f"'{name}'", f"one of {', '.join(['home', *postures])}")
+        return self._standing(postures[name])
+
+    def center_of_mass(self, q: Vector) -> Vector:
+        """Centre of mass of a configuration, shape (3,) [m], world frame."""
+        return np.array(pinocchio.centerOfMass(self.model, self.model.createData(), q))
 
     @cached_property
     def home_com(self) -> Vector:
         """Centre of mass at home, shape (3,) [m], world frame."""
-        return np.array(pinocchio.centerOfMass(self.model, self.model.createData(), self.home.q))
+        return self.center_of_mass(self.home.q)
+
+    def sole_placements(self, q: Vector) -> list[Any]:
+        """Where the soles are.
+
+        Args:
+            q: Configuration, shape (nq,).
+
+        Returns:
+            ``pinocchio.SE3`` of each contact's frame in the world, copies, in
+            the order of the robot file.
+        """
+        data = self.model.createData()
+        pinocchio.framesForwardKinematics(self.model, data, q)
+        return [data.oMf[frame].copy() for frame in self.sole_frames]
+
+    @cached_property
+    def sole_frames(self) -> list[int]:
+        """Pinocchio's index of each contact's frame."""
+        return [self.model.getFrameId(contact.frame) for contact in self.description.contacts]
+
+    def put_on_ground(self, q: Vector) -> Vector:
+        """A configuration raised or lowered until its soles are at z = 0 on average.
+
+        Args:
+            q: Configuration, shape (nq,).
+
+        Returns:
+            A changed copy, shape (nq,).
+        """
+        grounded = q.copy()
+        soles = self.sole_placements(q)
+        grounded[2] -= np.mean([sole.translation[2] for sole in soles])
+        return grounded
+
+    def _standing(self, joints: dict[str, float]) -> State:
+        q = pinocchio.neutral(self.model)
+        for joint, angle in joints.items():
+            q[self.model.joints[self.model.getJointId(joint)].idx_q] = angle
+        return State(q=self.put_on_ground(q), v=np.zeros(self.nv))
 
     def frame_placement(self, frame: str, q: Vector) -> tuple[Vector, Vector]:
         """Where a frame is.
@@ -159,13 +213,14 @@ class Robot:
                         f"'{frame}' is no frame of {self.urdf_path.name}",
                         f"one of {', '.join(frames[1:])}",
                     )
-        for joint in self.description.home:
-            if joint not in self.joint_names:
-                raise self._error(
-                    f"home.{joint}",
-                    f"is no joint of {self.urdf_path.name}",
-                    f"one of {', '.join(self.joint_names)}",
-                )
+        for field, joints in self._postures():
+            for joint in joints:
+                if joint not in self.joint_names:
+                    raise self._error(
+                        f"{field}.{joint}",
+                        f"is no joint of {self.urdf_path.name}",
+                        f"one of {', '.join(self.joint_names)}",
+                    )
 
     def _check_limits(self) -> None:
         for joint, limit in zip(self.joint_names, self.torque_limit, strict=True):
@@ -176,34 +231,36 @@ class Robot:
                     f"is {limit:g}",
                     "a positive torque limit in N m",
                 )
-        for joint, angle in self.description.home.items():
-            index = self.model.joints[self.model.getJointId(joint)].idx_q
-            low = self.model.lowerPositionLimit[index]
-            high = self.model.upperPositionLimit[index]
-            if not low <= angle <= high:
-                raise self._error(
-                    f"home.{joint}", f"is {angle:g} rad", f"a value from {low:g} to {high:g} rad"
-                )
+        for field, joints in self._postures():
+            for joint, angle in joints.items():
+                index = self.model.joints[self.model.getJointId(joint)].idx_q
+                low = self.model.lowerPositionLimit[index]
+                high = self.model.upperPositionLimit[index]
+                if not low <= angle <= high:
+                    raise self._error(
+                        f"{field}.{joint}",
+                        f"is {angle:g} rad",
+                        f"a value from {low:g} to {high:g} rad",
+                    )
 
-    def _contact_placements(self, q: Vector) -> list[Any]:
-        data = self.model.createData()
-        pinocchio.framesForwardKinematics(self.model, data, q)
+    def _postures(self) -> list[tuple[str, dict[str, float]]]:
+        """Every posture of the file with the name of its field."""
+        others = self.description.postures.items()
         return [
-            data.oMf[self.model.getFrameId(contact.frame)] for contact in self.description.contacts
+            ("home", self.description.home),
+            *((f"postures.{name}", joints) for name, joints in others),
         ]
+
+    def _check_postures(self) -> None:
+        for field, joints in self._postures():
+            self._check_flat(field, self._standing(joints))
 
     def _check_mobility(self) -> None:
         """The feet must be free to accelerate independently of each other."""
         data = self.model.createData()
         rows = [
-            pinocchio.computeFrameJacobian(
-                self.model,
-                data,
-                self.home.q,
-                self.model.getFrameId(contact.frame),
-                pinocchio.LOCAL,
-            )
-            for contact in self.description.contacts
+            pinocchio.computeFrameJacobian(self.model, data, self.home.q, frame, pinocchio.LOCAL)
+            for frame in self.sole_frames
         ]
         rank = int(np.linalg.matrix_rank(np.vstack(rows), tol=RANK_TOLERANCE))
         if rank < 6 * len(rows):
@@ -213,15 +270,15 @@ class Robot:
                 "legs with at least six joints each and a home posture without straight knees",
             )
 
-    def _check_home(self) -> None:
+    def _check_flat(self, field: str, state: State) -> None:
         for contact, placement in zip(
-            self.description.contacts, self._contact_placements(self.home.q), strict=True
+            self.description.contacts, self.sole_placements(state.q), strict=True
         ):
             height = abs(placement.translation[2])
             tilt = float(np.linalg.norm(placement.rotation[:, 2] - [0, 0, 1]))
             if height > FLATNESS or tilt > FLATNESS:
                 raise self._error(
-                    "home",
+                    field,
                     f"leaves {contact.name} {1e3 * height:.1f} mm off the ground plane and "
                     f"tilted by {tilt:.4f} rad",
                     "joint angles with all soles flat on one plane",

@@ -139,6 +139,33 @@ class SafeTorqueFile(Section):
     D: NonNegative
 
 
+class HardwareFile(Section):
+    """What a real robot has and a rigid-body simulation has not.
+
+    Every effect is off in a simulation unless it is asked for by name.
+
+    Attributes:
+        armature: Rotor inertia as the joint feels it [kg m^2].
+        viscous_friction: [N m s/rad].
+        coulomb_friction: [N m].
+        torque_lag: Time constant of the torque's first-order lag [s].
+        torque_delay: From command to torque, before the lag [s].
+        encoder_resolution: Step of the joint encoders [rad].
+        encoder_noise: Standard deviation, white [rad].
+        velocity_filter: Time constant of the low pass behind the
+            differencing of joint positions [s].
+    """
+
+    armature: NonNegative
+    viscous_friction: NonNegative
+    coulomb_friction: NonNegative
+    torque_lag: NonNegative
+    torque_delay: NonNegative
+    encoder_resolution: NonNegative
+    encoder_noise: NonNegative
+    velocity_filter: NonNegative
+
+
 class SquatFile(Section):
     """What squats this robot can do.
 
@@ -146,11 +173,13 @@ class SquatFile(Section):
         task: Name of the centre-of-mass task that carries them.
         amplitude: Range, half of peak to peak, (low, high) [m].
         frequency: Range (low, high) [Hz].
+        height: Range of the middle of the motion above home (low, high) [m].
     """
 
     task: Name
     amplitude: tuple[Positive, Positive]
     frequency: tuple[Positive, Positive]
+    height: tuple[Finite, Finite] = (0.0, 0.0)
 
 
 class MotionsFile(Section):
@@ -178,6 +207,8 @@ class RobotFile(Section):
         limits: Limits beyond those of the URDF.
         safe_torque: What a failed tick answers with.
         motions: The motions the robot can do.
+        postures: Other postures by name, joint angles as for home.
+        hardware: What the real robot has beyond rigid bodies; None if unknown.
     """
 
     name: Name
@@ -194,6 +225,8 @@ class RobotFile(Section):
     limits: LimitsFile
     safe_torque: SafeTorqueFile
     motions: MotionsFile
+    postures: dict[Name, dict[str, Finite]] = Field(default_factory=dict)
+    hardware: HardwareFile | None = None
 
 
 class _Loader(yaml.SafeLoader):
@@ -268,6 +301,14 @@ def _check_ranges(path: Path, robot_file: RobotFile) -> None:
     ]
     for index, contact in enumerate(robot_file.contacts):
         ranges += [(f"contacts.{index}.x", contact.x), (f"contacts.{index}.y", contact.y)]
+    if squat.height[0] > 0 or squat.height[1] < 0:
+        raise RobotFileError(
+            path, "motions.squat.height", f"is {list(squat.height)}", "a range that holds 0, home"
+        )
+    if "home" in robot_file.postures:
+        raise RobotFileError(
+            path, "postures.home", "is home, which has its own field", "another name for it"
+        )
     for field, (low, high) in ranges:
         if low >= high:
             raise RobotFileError(path, field, f"is [{low}, {high}]", "the low value first")

@@ -11,6 +11,7 @@ from tsd_casadi.messages.learner import (
     RecordReply,
 )
 from tsd_casadi.messages.message import ErrorMessage, Message, json_schema
+from tsd_casadi.messages.suggestion import SuggestionMessage
 
 __all__ = [
     "BasisMessage",
@@ -26,5 +27,6 @@ __all__ = [
     "QuantityMessage",
     "RecordMessage",
     "RecordReply",
+    "SuggestionMessage",
     "json_schema",
 ]

@@ -10,8 +10,8 @@ from pydantic import Field
 from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.feedforward import Feedforward, Kind
 from tsd_casadi.messages.message import Finite, Message, to_matrix
-from tsd_casadi.motions.squat import UNITS
 from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.task_parameters import unit_of
 
 
 class QuantityMessage(Message):
@@ -19,6 +19,29 @@ class QuantityMessage(Message):
 
     value: Finite
     unit: str
+
+    @classmethod
+    def of(cls, task: str, name: str, value: float) -> QuantityMessage:
+        """Describe the value of a task parameter."""
+        return cls(value=value, unit=unit_of(task, name))
+
+
+def plain_parameters(task: str, parameters: dict[str, QuantityMessage]) -> dict[str, float]:
+    """Task parameters in SI units.
+
+    Args:
+        task: Name of the motion.
+        parameters: With units.
+
+    Raises:
+        MalformedMessage: If a unit is not the parameter's.
+    """
+    for name, quantity in parameters.items():
+        if quantity.unit != unit_of(task, name):
+            raise MalformedMessage(
+                f"{name} of a {task} in '{quantity.unit}'", f"'{unit_of(task, name)}'"
+            )
+    return {name: quantity.value for name, quantity in parameters.items()}
 
 
 class BasisMessage(Message):
@@ -67,7 +90,8 @@ class FeedforwardMessage(Message):
         unit: Unit of weights and standard deviations.
         basis: The basis.
         weights: k rows of L numbers.
-        standard_deviations: Predictive standard deviation of each weight.
+        standard_deviations: Weights of the predictive standard deviation over
+            the phase, in the same basis.
         kind: 'learned' or 'generalised'.
         provenance: Entries used, iteration, errors, gains.
     """
@@ -92,7 +116,7 @@ class FeedforwardMessage(Message):
             task=task,
             axes=feedforward.axes,
             parameters={
-                name: QuantityMessage(value=value, unit=UNITS[name])
+                name: QuantityMessage.of(task, name, value)
                 for name, value in feedforward.parameters.items()
             },
             basis=BasisMessage.of(feedforward.basis),
@@ -106,15 +130,9 @@ class FeedforwardMessage(Message):
         """The feedforward.
 
         Raises:
-            MalformedMessage: If the shapes do not fit.
+            MalformedMessage: If shapes or units do not fit.
         """
         shape = (len(self.axes), self.basis.L)
-        for name, quantity in self.parameters.items():
-            if quantity.unit != UNITS.get(name):
-                raise MalformedMessage(
-                    f"parameter {name} in {quantity.unit}",
-                    f"{UNITS.get(name, 'no such parameter')}",
-                )
         deviations = to_matrix("standard_deviations", self.standard_deviations, shape)
         if (deviations < 0).any():
             raise MalformedMessage("a negative standard deviation", "none below zero")
@@ -124,6 +142,6 @@ class FeedforwardMessage(Message):
             weights=to_matrix("weights", self.weights, shape),
             standard_deviations=deviations,
             kind=self.kind,
-            parameters={name: quantity.value for name, quantity in self.parameters.items()},
+            parameters=plain_parameters(self.task, self.parameters),
             provenance=self.provenance,
         )

@@ -2,25 +2,64 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
+from tsd_casadi.contraction import Contraction
 from tsd_casadi.entry import Entry
 from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.laps import Lap
 from tsd_casadi.messages.feedforward import BasisMessage, QuantityMessage
 from tsd_casadi.messages.message import Finite, Message, Name, to_matrix
-from tsd_casadi.motions.squat import UNITS
-from tsd_casadi.recording import Context, Recording, TaskKey
+from tsd_casadi.recording import Context, Recording, Rule, TaskKey
 
 
 class LapMessage(Message):
-    """One steady lap: phase [rad] and feedback [m/s^2], k rows."""
+    """One steady lap.
+
+    Attributes:
+        phase: [rad].
+        feedback: Feedback term along the learned axes, k rows [m/s^2].
+        error: Position error x_ref - x there, k rows [m]; the rule 'stable'
+            needs it.
+        reference: x_ref, k rows [m], together with the error.
+    """
 
     phase: Annotated[list[Finite], Field(min_length=10, max_length=200_000)]
     feedback: list[list[Finite]]
+    error: list[list[Finite]] | None = None
+    reference: list[list[Finite]] | None = None
+
+    @classmethod
+    def of(cls, lap: Lap) -> LapMessage:
+        """Describe a lap."""
+        return cls(
+            phase=lap.phase.tolist(),
+            feedback=lap.feedback.tolist(),
+            error=None if lap.error is None else lap.error.tolist(),
+            reference=None if lap.reference is None else lap.reference.tolist(),
+        )
+
+    def lap(self, k: int) -> Lap:
+        """The lap.
+
+        Args:
+            k: Number of learned axes.
+
+        Raises:
+            MalformedMessage: If shapes do not fit.
+        """
+        shape = k, len(self.phase)
+        return Lap(
+            phase=np.array(self.phase),
+            feedback=to_matrix("feedback of a lap", self.feedback, shape),
+            error=None if self.error is None else to_matrix("error of a lap", self.error, shape),
+            reference=None
+            if self.reference is None
+            else to_matrix("reference of a lap", self.reference, shape),
+        )
 
 
 class ContextMessage(Message):
@@ -38,13 +77,13 @@ class RecordMessage(Message):
     Attributes:
         task: Name of the motion.
         axes: Learned axes, names 'task.axis'.
-        parameters: Task parameters, SI units.
+        parameters: Task parameters, SI units; those with a default may be left out.
         basis: Basis of the applied weights.
         applied: Weights in use during the repetition, k rows of L [m/s^2].
         laps: Whole steady laps.
         errors: Measures; rms_error_m is needed.
         context: Circumstances.
-        rule: 'guarded' or 'plain'.
+        rule: Of the learning, see the schema.
         update: False to note the errors only.
         restart: Forget the entry first.
     """
@@ -57,7 +96,7 @@ class RecordMessage(Message):
     laps: Annotated[list[LapMessage], Field(min_length=1, max_length=100)]
     errors: dict[Name, Finite]
     context: ContextMessage
-    rule: Literal["guarded", "plain"] = "guarded"
+    rule: Rule = "guarded"
     update: bool = True
     restart: bool = False
 
@@ -70,10 +109,7 @@ class RecordMessage(Message):
             parameters=dict(recording.key.parameters),
             basis=BasisMessage.of(recording.basis),
             applied=recording.applied.tolist(),
-            laps=[
-                LapMessage(phase=lap.phase.tolist(), feedback=lap.feedback.tolist())
-                for lap in recording.laps
-            ],
+            laps=[LapMessage.of(lap) for lap in recording.laps],
             errors=recording.errors,
             context=ContextMessage(**vars(recording.context)),
             rule=recording.rule,
@@ -97,13 +133,7 @@ class RecordMessage(Message):
             key=TaskKey.of(robot, self.task, self.axes, self.parameters),
             basis=self.basis.basis(),
             applied=to_matrix("applied", self.applied, (k, self.basis.L)),
-            laps=[
-                Lap(
-                    np.array(lap.phase),
-                    to_matrix(f"laps.{index}.feedback", lap.feedback, (k, len(lap.phase))),
-                )
-                for index, lap in enumerate(self.laps)
-            ],
+            laps=[lap.lap(k) for lap in self.laps],
             errors=dict(self.errors),
             context=Context(**self.context.model_dump()),
             rule=self.rule,
@@ -123,9 +153,11 @@ class EntryMessage(Message):
         parameters: Task parameters with units.
         served: Iteration that a query is answered with.
         learning_gain: Share of the feedback that is added next.
-        rule: 'guarded' or 'plain'.
+        rule: Of the learning, see the schema.
         updated: ISO 8601, UTC.
         iterations: (number, errors or null) of every iteration.
+        contractions: What iterations leave of an error, by learned axis and
+            harmonic; none while position errors are unknown.
     """
 
     entry: int
@@ -135,9 +167,10 @@ class EntryMessage(Message):
     parameters: dict[str, QuantityMessage]
     served: int
     learning_gain: float
-    rule: Literal["guarded", "plain"]
+    rule: Rule
     updated: str
     iterations: list[tuple[int, dict[str, float] | None]]
+    contractions: tuple[Contraction, ...] = ()
 
     @classmethod
     def of(cls, entry: Entry) -> EntryMessage:
@@ -148,7 +181,7 @@ class EntryMessage(Message):
             task=entry.key.task,
             axes=entry.key.axes,
             parameters={
-                name: QuantityMessage(value=value, unit=UNITS.get(name, ""))
+                name: QuantityMessage.of(entry.key.task, name, value)
                 for name, value in entry.key.parameters
             },
             served=entry.served.number,
@@ -156,6 +189,7 @@ class EntryMessage(Message):
             rule=entry.rule,
             updated=entry.updated,
             iterations=[(item.number, item.errors) for item in entry.iterations],
+            contractions=entry.contractions,
         )
 
 

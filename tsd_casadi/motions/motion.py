@@ -6,14 +6,15 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from tsd_casadi.robot import Robot
+from tsd_casadi.state import State
 
 
 @dataclass(frozen=True)
 class Reference:
-    """Reference along one axis, relative to home.
+    """Reference along one axis, relative to the middle of the motion.
 
     Attributes:
-        x: Offset from home [m].
+        x: Offset from the middle [m].
         xd: [m/s].
         xdd: [m/s^2].
     """
@@ -48,6 +49,9 @@ class Motion(Protocol):
 
     def task(self, robot: Robot) -> str:
         """Name of the robot's task that carries the motion."""
+
+    def middle(self, robot: Robot) -> State:
+        """The posture that the motion is about, at rest."""
 
     def check(self, robot: Robot) -> None:
         """Refuse what this robot cannot do.

@@ -1,6 +1,6 @@
 r"""Vertical sinusoidal squat of the centre of mass.
 
-.. math:: z_{ref} = z_{home} + s(t) A \sin \phi
+.. math:: z_{ref} = z_{home} + h + s(t) A \sin \phi
 
 The phase starts at pi, so the first motion is down, and s rises from 0 to 1
 over the first half lap with zero velocity and acceleration at both ends.
@@ -14,8 +14,9 @@ from dataclasses import dataclass
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.motions.motion import Reference
 from tsd_casadi.robot import Robot
-
-UNITS = {"amplitude": "m", "frequency": "Hz"}
+from tsd_casadi.standing import stand
+from tsd_casadi.state import State
+from tsd_casadi.task_parameters import unit_of
 
 
 @dataclass(frozen=True)
@@ -25,10 +26,12 @@ class Squat:
     Attributes:
         amplitude: A, half of peak to peak [m].
         frequency: Laps per second [Hz].
+        height: h, middle of the motion above home [m].
     """
 
     amplitude: float
     frequency: float
+    height: float = 0.0
 
     name = "squat"
     axis = "z"
@@ -36,28 +39,37 @@ class Squat:
 
     @property
     def parameters(self) -> dict[str, float]:
-        """Amplitude [m] and frequency [Hz]."""
-        return {"amplitude": self.amplitude, "frequency": self.frequency}
+        """Amplitude [m], frequency [Hz] and height [m]."""
+        return {
+            "amplitude": self.amplitude,
+            "frequency": self.frequency,
+            "height": self.height,
+        }
 
     def task(self, robot: Robot) -> str:
         """The centre-of-mass task named in the robot file."""
         return robot.description.motions.squat.task
 
+    def middle(self, robot: Robot) -> State:
+        """The posture in the middle of the motion, at rest."""
+        return stand(robot, self.height)
+
     def check(self, robot: Robot) -> None:
         """Refuse what this robot cannot do.
 
         Raises:
-            InvalidValue: If amplitude or frequency is out of its range.
+            InvalidValue: If amplitude, frequency or height is out of its range.
         """
         ranges = robot.description.motions.squat
         for name, (low, high) in (
             ("amplitude", ranges.amplitude),
             ("frequency", ranges.frequency),
+            ("height", ranges.height),
         ):
             value = self.parameters[name]
             if low <= value <= high:
                 continue
-            expected = f"{low:g} to {high:g} {UNITS[name]} for {robot.name}"
+            expected = f"{low:g} to {high:g} {unit_of(self.name, name)} for {robot.name}"
             if name == "amplitude" and low <= value / 100 <= high:
                 expected += f"; amplitudes are in metres: did you mean {value / 100:g} m?"
             raise InvalidValue(name, f"{value:g}", expected)
@@ -69,7 +81,7 @@ class Squat:
             elapsed: phi - pi [rad], at least 0.
 
         Returns:
-            Offset from home [m] with its time derivatives.
+            Offset from the middle of the motion [m] with its time derivatives.
         """
         omega = 2 * math.pi * self.frequency
         sine, cosine = -math.sin(elapsed), -math.cos(elapsed)

@@ -1,0 +1,164 @@
+"""The centre of mass, corrected, with how sure that is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pinocchio
+
+from tsd_casadi.exceptions import InvalidValue, MalformedMessage
+from tsd_casadi.messages.center_of_mass import CenterOfMassMessage
+from tsd_casadi.messages.message import to_matrix
+from tsd_casadi.robot import Robot
+from tsd_casadi.state import Matrix, Vector
+from tsd_casadi.static_chain import StaticChain
+
+# of a covariance's largest eigenvalue: what rounding may do to the smallest
+ROUNDING = 1e-9
+
+
+class CenterOfMassCorrection:
+    """A robot's centre of mass with other chain vectors than its model's.
+
+    Attributes:
+        robot: The robot.
+        terms: r_i, (N, 3) [m], in the links' frames.
+        covariance: Of ``terms`` as one vector, (3 N, 3 N) [m^2].
+    """
+
+    def __init__(self, robot: Robot, terms: Matrix, covariance: Matrix) -> None:
+        """Prepare the kinematics.
+
+        Args:
+            robot: The robot.
+            terms: r_i, (N, 3) [m].
+            covariance: Of them, (3 N, 3 N) [m^2].
+
+        Raises:
+            InvalidValue: If the robot has no chain, a shape does not fit, or the
+                covariance is none.
+        """
+        self.robot = robot
+        self._chain = StaticChain(robot)
+        size = 3 * len(self._chain.links)
+        for name, value, shape in (
+            ("terms", terms, (size // 3, 3)),
+            ("covariance", covariance, (size, size)),
+        ):
+            if np.shape(value) != shape or not np.isfinite(value).all():
+                raise InvalidValue(name, f"of shape {np.shape(value)}", f"numbers, shape {shape}")
+        self.terms = np.array(terms, dtype=float)
+        self.covariance = np.array(covariance, dtype=float)
+        least, most = np.linalg.eigvalsh(self.covariance)[[0, -1]]
+        symmetric = np.allclose(self.covariance, self.covariance.T, rtol=0, atol=ROUNDING * most)
+        if least < -ROUNDING * most or not symmetric:
+            raise InvalidValue("covariance", "none", "a symmetric matrix without negative variance")
+        self._corrected = self._chain.model_with(self.terms)
+        self._corrected_data = self._corrected.createData()
+        self._model, self._data = robot.model, robot.model.createData()
+
+    def center_of_mass(self, q: Vector) -> Vector:
+        """Corrected centre of mass of a configuration, (3,) [m], world frame.
+
+        Args:
+            q: Configuration, (nq,).
+        """
+        return np.array(pinocchio.centerOfMass(self._corrected, self._corrected_data, q))
+
+    def offset(self, q: Vector) -> Vector:
+        """Corrected minus the model's centre of mass, (3,) [m], world frame.
+
+        Args:
+            q: Configuration, (nq,).
+        """
+        model = pinocchio.centerOfMass(self._model, self._data, q)
+        return np.asarray(self.center_of_mass(q) - model)
+
+    def offset_rate(self, q: Vector, v: Vector) -> Vector:
+        """Time derivative of ``offset``, (3,) [m/s], world frame.
+
+        Args:
+            q: Configuration, (nq,).
+            v: Velocity, (nv,).
+        """
+        pinocchio.centerOfMass(self._corrected, self._corrected_data, q, v)
+        pinocchio.centerOfMass(self._model, self._data, q, v)
+        return np.asarray(self._corrected_data.vcom[0] - self._data.vcom[0])
+
+    def deviation(self, q: Vector) -> Vector:
+        """Standard deviation of the corrected centre of mass, (3,) [m], world axes.
+
+        Args:
+            q: Configuration, (nq,).
+        """
+        F = self._chain.features(q)
+        variances = np.einsum("ij,jk,ik->i", F, self.covariance, F)
+        return np.asarray(np.sqrt(np.maximum(variances, 0.0)))
+
+    def message(self) -> CenterOfMassMessage:
+        """As plain data."""
+        return CenterOfMassMessage(
+            robot=self.robot.name,
+            fingerprint=self.robot.fingerprint,
+            links=self._chain.links,
+            terms=self.terms.tolist(),
+            covariance=self.covariance.tolist(),
+        )
+
+    def save(self, path: Path) -> None:
+        """Write the correction as JSON.
+
+        Args:
+            path: The file.
+        """
+        path.write_bytes(self.message().encode())
+
+    @classmethod
+    def load(cls, robot: Robot, path: Path) -> CenterOfMassCorrection:
+        """Read a correction.
+
+        Args:
+            robot: The robot that it is of.
+            path: The file.
+
+        Raises:
+            MalformedMessage: If the file is none.
+            InvalidValue: If it is of another robot or model.
+        """
+        try:
+            message = CenterOfMassMessage.decode(path.read_bytes())
+        except OSError as error:
+            raise MalformedMessage(
+                f"{path} cannot be read ({error.strerror})", "a file of 'tsd calibrate'"
+            ) from error
+        except MalformedMessage as error:
+            raise MalformedMessage(f"{path}: {error}", "a file of 'tsd calibrate'") from error
+        return cls.from_message(robot, message)
+
+    @classmethod
+    def from_message(cls, robot: Robot, message: CenterOfMassMessage) -> CenterOfMassCorrection:
+        """A correction from plain data.
+
+        Args:
+            robot: The robot that it is of.
+            message: The data.
+
+        Raises:
+            MalformedMessage: If its vectors and covariance do not belong together.
+            InvalidValue: If it is of another robot or model.
+        """
+        for name, found, expected in (
+            ("robot", message.robot, robot.name),
+            ("fingerprint", message.fingerprint, robot.fingerprint),
+            ("links", message.links, StaticChain(robot).links),
+        ):
+            if found != expected:
+                raise InvalidValue(
+                    f"{name} of the centre of mass' correction",
+                    repr(found),
+                    f"{expected!r}; run 'tsd calibrate' again for this robot",
+                )
+        size = 3 * len(message.links)
+        terms = to_matrix("terms", message.terms, (len(message.links), 3))
+        return cls(robot, terms, to_matrix("covariance", message.covariance, (size, size)))

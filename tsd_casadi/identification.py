@@ -1,0 +1,237 @@
+r"""Inertial parameters from motion data, the model-based alternative to learning.
+
+The dynamics are linear in the parameters :math:`\pi` of all links,
+:math:`M \ddot q + h = Y(q, v, a) \pi`. Contact wrenches need not be measured:
+with Z a basis of what the contacts leave free, :math:`J_c Z = 0`,
+
+.. math:: Z^T Y \pi + Z^T S^T F(v) f = Z^T S^T \tau
+
+holds whatever they are. Z is chosen so that :math:`S Z` has orthonormal columns
+and every row has the noise of one joint torque. :math:`F f` is the friction of
+the joints, viscous and Coulomb.
+
+What the data leave open stays as in the nominal model, see
+``physical_consistency``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio
+
+from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.physical_consistency import PARAMETERS, Block, body, minimise, scalar
+from tsd_casadi.robot import Robot
+from tsd_casadi.state import Matrix, Vector
+
+# sigma [N m]: more than the residuals, which are friction and lag and no white
+# noise; chosen with the simulated hardware, where a tenth of it turns friction
+# into absurd inertias if friction is left out
+TORQUE_NOISE = 10.0
+CLOSENESS = 10.0  # gamma of the links: some 16 % of their masses
+# nothing is known of friction but its order of magnitude
+NOMINAL_FRICTION = 1.0  # N m s/rad and N m
+# gamma of its coefficients: so small that no friction is found where there is
+# none, chosen with a frictionless simulation
+FRICTION_CLOSENESS = 1e-5
+# velocity at which Coulomb friction has turned its sign [rad/s]
+SLIDING = 0.02
+
+
+@dataclass(frozen=True)
+class Observations:
+    """What a robot did, sample by sample, with all feet on the ground.
+
+    Attributes:
+        q: (N, nq).
+        v: (N, nv).
+        a: dv/dt, (N, nv).
+        tau: Joint torques, (N, n) [N m].
+    """
+
+    q: Matrix
+    v: Matrix
+    a: Matrix
+    tau: Matrix
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Friction of the joints.
+
+    Attributes:
+        viscous: (n,) [N m s/rad].
+        coulomb: (n,) [N m].
+    """
+
+    viscous: Vector
+    coulomb: Vector
+
+    def torque(self, velocity: Vector) -> Vector:
+        """What it takes to move against it.
+
+        Args:
+            velocity: Of the joints, (n,) [rad/s].
+
+        Returns:
+            (n,) [N m].
+        """
+        return np.asarray(self.viscous * velocity + self.coulomb * _sign(velocity))
+
+
+@dataclass(frozen=True)
+class Identified:
+    """A model that explains observations.
+
+    Attributes:
+        inertias: ``pinocchio.Inertia`` of each joint's body, base first.
+        friction: Of the joints, zero where it was left out.
+        residual: RMS of what is left of each row [N m].
+        nominal_residual: The same for the nominal model without friction.
+    """
+
+    inertias: tuple[Any, ...]
+    friction: Friction
+    residual: float
+    nominal_residual: float
+
+
+def nominal_parameters(robot: Robot) -> Vector:
+    """Parameters of all links as the robot's files have them, (10 (n + 1),)."""
+    inertias = list(robot.model.inertias)[1:]
+    return np.concatenate([inertia.toDynamicParameters() for inertia in inertias])
+
+
+def free_motions(robot: Robot, q: Vector) -> Matrix:
+    """Z, the velocities that keep the feet still.
+
+    Args:
+        robot: The robot.
+        q: Configuration, (nq,).
+
+    Returns:
+        (nv, nv - 6 contacts); the joints' rows have orthonormal columns.
+    """
+    model, data = robot.model, robot.model.createData()
+    J = np.vstack(
+        [
+            pinocchio.computeFrameJacobian(
+                model, data, q, model.getFrameId(contact.frame), pinocchio.LOCAL
+            )
+            for contact in robot.description.contacts
+        ]
+    )
+    _, _, V = np.linalg.svd(J)
+    Z = V[J.shape[0] :].T
+    _, R = np.linalg.qr(Z[6:])
+    return np.asarray(np.linalg.solve(R.T, Z.T).T)
+
+
+def inertial_rows(robot: Robot, observed: Observations) -> tuple[Matrix, Vector]:
+    """Equations for the parameters of all links, free of contact wrenches.
+
+    Args:
+        robot: The robot, for its kinematics.
+        observed: What it did.
+
+    Returns:
+        Z^T Y stacked over the samples, (rows, 10 (n + 1)), and Z^T S^T tau, (rows,).
+    """
+    data = robot.model.createData()
+    blocks, sides = [], []
+    for q, v, a, tau in zip(observed.q, observed.v, observed.a, observed.tau, strict=True):
+        Z = free_motions(robot, q)
+        Y = pinocchio.computeJointTorqueRegressor(robot.model, data, q, v, a)
+        blocks.append(Z.T @ Y)
+        sides.append(Z[6:].T @ tau)
+    return np.vstack(blocks), np.concatenate(sides)
+
+
+def friction_rows(robot: Robot, observed: Observations) -> Matrix:
+    """Z^T S^T F for viscous, then Coulomb coefficients, (rows, 2 n)."""
+    blocks = []
+    for q, v in zip(observed.q, observed.v, strict=True):
+        joints = v[6:]
+        F = np.hstack((np.diag(joints), np.diag(_sign(joints))))
+        blocks.append(free_motions(robot, q)[6:].T @ F)
+    return np.vstack(blocks)
+
+
+def identify_inertias(
+    robot: Robot, observed: Observations, closeness: float = CLOSENESS
+) -> Identified:
+    """The rigid bodies that explain what was observed.
+
+    Args:
+        robot: The robot with its nominal model.
+        observed: What it did.
+        closeness: gamma, how much the nominal model is trusted.
+
+    Returns:
+        The identified model, without friction.
+
+    Raises:
+        InvalidValue: If a number is not finite or closeness not positive.
+    """
+    _check(observed, closeness)
+    A, b = inertial_rows(robot, observed)
+    return _identify(robot, A, b, closeness)
+
+
+def identify_with_friction(
+    robot: Robot, observed: Observations, closeness: float = CLOSENESS
+) -> Identified:
+    """The rigid bodies and joint friction that explain what was observed.
+
+    Args:
+        robot: The robot with its nominal model.
+        observed: What it did.
+        closeness: gamma, how much the nominal model is trusted.
+
+    Returns:
+        The identified model.
+
+    Raises:
+        InvalidValue: If a number is not finite or closeness not positive.
+    """
+    _check(observed, closeness)
+    A, b = inertial_rows(robot, observed)
+    return _identify(robot, np.hstack((A, friction_rows(robot, observed))), b, closeness)
+
+
+def _check(observed: Observations, closeness: float) -> None:
+    for name, values in vars(observed).items():
+        if not np.isfinite(values).all():
+            raise InvalidValue(f"observed {name}", "not finite", "finite numbers")
+    if not 0 < closeness < np.inf:
+        raise InvalidValue("closeness", closeness, "a positive number")
+
+
+def _sign(velocity: Vector) -> Vector:
+    return np.asarray(np.tanh(velocity / SLIDING))
+
+
+def _identify(robot: Robot, A: Matrix, b: Vector, closeness: float) -> Identified:
+    nominal = nominal_parameters(robot)
+    links = len(nominal) // PARAMETERS
+    coefficients = A.shape[1] - len(nominal)
+    prior = np.concatenate((nominal, np.full(coefficients, NOMINAL_FRICTION)))
+    blocks: list[Block] = [body(PARAMETERS * i, closeness) for i in range(links)]
+    blocks += [scalar(len(nominal) + i, FRICTION_CLOSENESS) for i in range(coefficients)]
+    x = minimise(A / TORQUE_NOISE, b / TORQUE_NOISE, prior, blocks)
+    parts = x[: len(nominal)].reshape(links, PARAMETERS)
+    friction = np.zeros(2 * robot.n)
+    friction[:coefficients] = x[len(nominal) :]
+    return Identified(
+        inertias=tuple(pinocchio.Inertia.FromDynamicParameters(part) for part in parts),
+        friction=Friction(friction[: robot.n], friction[robot.n :]),
+        residual=_rms(A @ x - b),
+        nominal_residual=_rms(A[:, : len(nominal)] @ nominal - b),
+    )
+
+
+def _rms(values: Vector) -> float:
+    return float(np.sqrt(np.mean(values**2)))
