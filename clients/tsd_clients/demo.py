@@ -7,10 +7,8 @@ asks the controller over Zenoh at every tick.
 from __future__ import annotations
 
 import json
-import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
@@ -26,14 +24,15 @@ from tsd_clients.learning import learn
 from tsd_clients.remote_controller import RemoteController
 from tsd_clients.remote_learner import RemoteLearner
 from tsd_clients.rendering import render_squat
+from tsd_clients.repetition import Gains
 from tsd_clients.run import Run
-from tsd_clients.service_process import ServiceProcess, free_endpoint
-from tsd_clients.simulator import MujocoSimulator
+from tsd_clients.service_process import start_services
+from tsd_clients.simulator import UNCHANGED, MujocoSimulator
 from tsd_clients.tables import console, print_goals, print_runs
 
 FREQUENCY = 0.25  # Hz
 MODEL_ERROR = 0.1
-REDUCED = 0.2  # P / 5
+REDUCED = Gains(P=0.2)  # P / 5, D as it is
 AMPLITUDE = 0.03  # m
 DATABASE = (0.02, 0.04, 0.06, 0.08)  # m
 QUERIED, NEAREST = 0.05, 0.04  # m
@@ -75,7 +74,7 @@ class _Demo:
     def _one_amplitude(self) -> None:
         runs = self._learn(AMPLITUDE)
         self._run(_label(AMPLITUDE, "constant"), AMPLITUDE, runs[1].feedforward.constant())
-        self._run(_label(AMPLITUDE, "P/5, none"), AMPLITUDE, p_scale=REDUCED)
+        self._run(_label(AMPLITUDE, "P/5, none"), AMPLITUDE, gains=REDUCED)
         self._run(
             _label(AMPLITUDE, "P/5, learned, iteration 1"), AMPLITUDE, runs[1].feedforward, REDUCED
         )
@@ -122,14 +121,14 @@ class _Demo:
         label: str,
         amplitude: float,
         feedforward: Feedforward | None = None,
-        p_scale: float = 1.0,
+        gains: Gains = UNCHANGED,
         simulator: MujocoSimulator | None = None,
     ) -> None:
         run = (simulator or self._simulator).run(
             self.controller,
             Squat(amplitude, FREQUENCY),
             feedforward=feedforward,
-            p_scale=p_scale,
+            gains=gains,
             seed=self.seed,
             transport="zenoh",
             progress=self._progress,
@@ -170,7 +169,8 @@ def run_demo(robot: Robot, out: Path, seed: int = 0) -> dict[str, Any]:
     written: list[Future[None]] = []
 
     # compressing a log takes half a second, which the next run does not need to wait
-    with ThreadPoolExecutor(1) as writer, _services(robot) as (controller, learner):
+    console.print("starting the controller (the first start compiles it, about 20 s)")
+    with ThreadPoolExecutor(1) as writer, start_services(robot) as (controller, learner):
 
         def save_log(label: str, run: Run) -> None:
             written.append(writer.submit(run.save_log, out / "logs" / f"{_file_name(label)}.npz"))
@@ -197,24 +197,6 @@ def run_demo(robot: Robot, out: Path, seed: int = 0) -> dict[str, Any]:
     (out / "summary.json").write_text(json.dumps(summary, indent=2))
     _print(summary, out, pictures)
     return summary
-
-
-@contextmanager
-def _services(robot: Robot) -> Iterator[tuple[RemoteController, RemoteLearner]]:
-    """Both services on free ports with a fresh database, stopped whatever happens."""
-    controller_endpoint, learner_endpoint = free_endpoint(), free_endpoint()
-    with tempfile.TemporaryDirectory(prefix="tsd-demo-") as folder:
-        database = str(Path(folder) / "demo.sqlite")
-        console.print("starting the controller (the first start compiles it, about 20 s)")
-        with (
-            ServiceProcess(
-                ["controller", "--robot", str(robot.path), "--listen", controller_endpoint]
-            ),
-            ServiceProcess(["learner", "--database", database, "--listen", learner_endpoint]),
-            RemoteController(robot.name, [controller_endpoint]) as controller,
-            RemoteLearner([learner_endpoint]) as learner,
-        ):
-            yield controller, learner
 
 
 def _number_of_runs() -> int:

@@ -6,14 +6,28 @@ from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 import tsd_casadi
+from tsd_casadi.contraction import Contraction
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, SimulationError, TsdError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions import Motion
 from tsd_casadi.recording import Context, Recording, Rule, TaskKey
-from tsd_clients.repetition import Progress
+from tsd_clients.correction import Correction
+from tsd_clients.feedforward_gate import FeedforwardGate
+from tsd_clients.repetition import Gains, Progress
 from tsd_clients.run import Run
-from tsd_clients.simulator import MujocoSimulator
+from tsd_clients.simulator import UNCHANGED, MujocoSimulator
+
+# of the error: smaller gains are not worth another repetition
+WORTHWHILE = 0.02
+
+
+class Learned(Protocol):
+    """An entry of a database, or the message that describes it."""
+
+    @property
+    def contractions(self) -> Sequence[Contraction]:
+        """What iterations leave of an error, by axis."""
 
 
 class Learner(Protocol):
@@ -30,7 +44,7 @@ class Learner(Protocol):
     ) -> Feedforward:
         """The feedforward for some task parameters."""
 
-    def record(self, recording: Recording) -> tuple[Any, list[str]]:
+    def record(self, recording: Recording) -> tuple[Learned, list[str]]:
         """Take in one repetition."""
 
 
@@ -41,14 +55,18 @@ def learn(
     learner: Learner,
     *,
     iterations: int = 1,
+    patience: int | None = None,
+    first: Feedforward | None = None,
     restart: bool = False,
     rule: Rule = "guarded",
     laps: int = 3,
-    p_scale: float = 1.0,
+    gains: Gains = UNCHANGED,
+    corrections: Sequence[Correction] = (),
     seed: int = 0,
     transport: str = "local",
     progress: Callable[[Motion, int], Progress | None] | None = None,
     on_run: Callable[[Run, list[str]], None] | None = None,
+    on_learned: Callable[[Motion, Sequence[Contraction]], None] | None = None,
 ) -> list[Run]:
     """Repeat each motion, learning from one repetition to the next.
 
@@ -62,56 +80,90 @@ def learn(
         motions: What to learn, one after another.
         learner: Database or learner service.
         iterations: Learning iterations for each motion.
+        patience: Stop a motion after so many iterations in a row without an
+            error that is noticeably smaller; never by default.
+        first: Feedforward to start a motion from of which nothing is known,
+            for instance that of an easier one; it is dropped if it harms.
         restart: Forget what was learned of each motion first.
-        rule: 'guarded' never goes on from what proved worse, 'plain' is the
-            paper's sum.
+        rule: See ``tsd_casadi.recording.Recording``.
         laps: Least number of laps of each run.
-        p_scale: Factor on the learned task's P.
+        gains: Factors on the learned task's gains.
+        corrections: What else changes commands and torques.
         seed: Of the starting randomness.
         transport: How the controller is reached, for the records.
         progress: Gives the progress function of a run, from motion and number.
         on_run: Called after each run with the learner's remarks.
+        on_learned: Called after each motion with what iterations leave of its
+            error.
 
     Returns:
         All runs in order.
 
     Raises:
-        InvalidValue: If iterations is not at least 1.
+        InvalidValue: If iterations or patience is not at least 1.
         SimulationError: If the robot fell or the feedback never settled; what
             was recorded before stays.
     """
     if iterations < 1:
         raise InvalidValue("iterations", iterations, "at least 1")
+    if patience is not None and patience < 1:
+        raise InvalidValue("patience", patience, "at least 1, or none")
     for motion in motions:
         motion.check(simulator.robot)
     runs = []
     for motion in motions:
+        errors: list[float] = []
         for index in range(iterations + 1):
             fresh = restart and index == 0
             feedforward = None if fresh else _served(learner, simulator.robot.name, motion)
+            gate = FeedforwardGate()
+            gates = []
+            if index == 0 and feedforward is None and first is not None:
+                feedforward, gates = first, [gate]
             run = simulator.run(
                 controller,
                 motion,
                 laps=laps,
                 feedforward=feedforward,
-                p_scale=p_scale,
+                gains=gains,
+                corrections=[*corrections, *gates],
                 seed=seed,
                 transport=transport,
                 progress=progress(motion, index) if progress is not None else None,
             )
+            errors.append(run.rms_error)
+            is_last = index == iterations or _has_converged(errors, patience)
             recording = record_of(
                 run,
                 simulator,
                 controller,
                 rule=rule,
-                update=index < iterations,
+                # what nobody is going to test is not served
+                update=not is_last,
                 restart=fresh,
             )
-            _, notes = learner.record(recording)
+            entry, notes = learner.record(recording)
+            if gate.dropped_at is not None:
+                notes = [
+                    f"the first feedforward was dropped at {gate.dropped_at:.2f} s: tracking was "
+                    "worse with it than without",
+                    *notes,
+                ]
             if on_run is not None:
                 on_run(run, notes)
             runs.append(run)
+            if is_last:
+                break
+        if on_learned is not None:
+            on_learned(motion, entry.contractions)
     return runs
+
+
+def _has_converged(errors: list[float], patience: int | None) -> bool:
+    """Whether the last repetitions brought nothing beyond the best one before them."""
+    if patience is None or len(errors) <= patience + 1:
+        return False
+    return min(errors[-patience:]) > (1 - WORTHWHILE) * min(errors[:-patience])
 
 
 def record_of(
@@ -165,13 +217,22 @@ def record_of(
         context=Context(
             formulation=f"{controller.format.layout_hash:016x}",
             model=simulator.robot.fingerprint,
-            gains=run.gains,
+            gains=_learned_gains(run, controller),
             version=tsd_casadi.__version__,
         ),
         rule=rule,
         update=update,
         restart=restart,
     )
+
+
+def _learned_gains(run: Run, controller: WholeBodyController) -> dict[str, Any]:
+    """P and D of the learned axes, W of the whole task."""
+    components = [
+        controller.format.component_index(*axis.split(".")) for axis in run.feedforward.axes
+    ]
+    learned = {name: [run.gains[name][i] for i in components] for name in ("P", "D")}
+    return {**learned, "W": run.gains["W"]}
 
 
 def _served(learner: Learner, robot: str, motion: Motion) -> Feedforward | None:

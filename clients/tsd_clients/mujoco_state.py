@@ -19,6 +19,7 @@ from tsd_casadi.state import Matrix, Vector
 
 WXYZ_TO_XYZW = [1, 2, 3, 0]
 XYZW_TO_WXYZ = [3, 0, 1, 2]
+CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])  # of a quaternion wxyz
 
 
 class StateMap:
@@ -26,6 +27,8 @@ class StateMap:
 
     Attributes:
         actuators: Actuator of each joint, (n,), in the robot's joint order.
+        v_joints: Index of each joint in MuJoCo's velocity, (n,).
+        base_body: Index of the floating base's body.
     """
 
     def __init__(self, robot: Robot, model: Any) -> None:
@@ -50,15 +53,18 @@ class StateMap:
         joints = [self._joint(model, name) for name in robot.joint_names]
         self._refuse_others(model, {int(free[0]), *joints})
         self._q_joints = np.array([model.jnt_qposadr[joint] for joint in joints])
-        self._v_joints = np.array([model.jnt_dofadr[joint] for joint in joints])
+        self.v_joints = np.array([model.jnt_dofadr[joint] for joint in joints])
         self.actuators = np.array(
             [
                 self._motor(model, joint, name)
                 for joint, name in zip(joints, robot.joint_names, strict=True)
             ]
         )
-        self._inverse = np.empty(4)
-        self._linear = np.empty(3)
+        # where MuJoCo keeps what comes one after the other in q and in v
+        b, w = self._q_base, self._v_base
+        base = [b, b + 1, b + 2, *(b + 3 + i for i in WXYZ_TO_XYZW)]
+        self._q_places = np.array([*base, *self._q_joints])
+        self._v_places = np.array([*range(w, w + 6), *self.v_joints])
 
     def read(self, data: Any) -> State:
         """The state in Pinocchio's conventions.
@@ -66,13 +72,9 @@ class StateMap:
         Args:
             data: ``mujoco.MjData``.
         """
-        qpos, qvel = data.qpos, data.qvel
-        b, w = self._q_base, self._v_base
-        quaternion = qpos[b + 3 : b + 7]
-        mujoco.mju_negQuat(self._inverse, quaternion)
-        mujoco.mju_rotVecQuat(self._linear, qvel[w : w + 3], self._inverse)
-        q = np.concatenate((qpos[b : b + 3], quaternion[WXYZ_TO_XYZW], qpos[self._q_joints]))
-        v = np.concatenate((self._linear, qvel[w + 3 : w + 6], qvel[self._v_joints]))
+        qpos, b = data.qpos, self._q_base
+        q, v = qpos[self._q_places], data.qvel[self._v_places]
+        mujoco.mju_rotVecQuat(v[:3], v[:3].copy(), qpos[b + 3 : b + 7] * CONJUGATE)
         return State(q, v)
 
     def write(self, data: Any, state: State) -> None:
@@ -90,7 +92,7 @@ class StateMap:
         mujoco.mju_rotVecQuat(linear, state.v[:3], data.qpos[b + 3 : b + 7])
         data.qvel[w : w + 3] = linear
         data.qvel[w + 3 : w + 6] = state.v[3:6]
-        data.qvel[self._v_joints] = state.v[6:]
+        data.qvel[self.v_joints] = state.v[6:]
 
     def velocity_transform(self, state: State) -> Matrix:
         """T with v_pinocchio = T v_mujoco, (nv, nv).
@@ -105,7 +107,7 @@ class StateMap:
         mujoco.mju_quat2Mat(rotation, state.q[3:7][XYZW_TO_WXYZ])
         T[:3, b : b + 3] = rotation.reshape(3, 3).T
         T[3:6, b + 3 : b + 6] = np.eye(3)
-        T[6 + np.arange(size - 6), self._v_joints] = 1.0
+        T[6 + np.arange(size - 6), self.v_joints] = 1.0
         return T
 
     @staticmethod

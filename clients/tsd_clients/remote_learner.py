@@ -6,15 +6,17 @@ from collections.abc import Sequence
 
 from tsd_casadi.endpoints import LEARNER
 from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.keys import ANY_ROBOT, database_key, feedforward_key, record_key
+from tsd_casadi.keys import ANY_ROBOT, database_key, feedforward_key, record_key, suggestion_key
 from tsd_casadi.messages import (
     DatabaseReply,
     EntryMessage,
     FeedforwardMessage,
     RecordMessage,
     RecordReply,
+    SuggestionMessage,
 )
 from tsd_casadi.recording import Recording
+from tsd_casadi.suggestion import Region, Suggestion
 from tsd_clients.session import Session
 
 
@@ -84,6 +86,18 @@ class RemoteLearner:
             selector["extrapolate"] = "true"
         body = self._session.query_one(feedforward_key(robot), parameters=selector)
         return FeedforwardMessage.decode(body)
+
+    def suggest(self, task: str, *, robot: str, region: Region, **parameters: float) -> Suggestion:
+        """Where to learn next; see ``Database.suggest``.
+
+        Raises:
+            ServiceError: If the learner has no answer; its code says why.
+        """
+        selector = {"task": task, **{name: repr(value) for name, value in parameters.items()}}
+        for name, (low, high) in region.items():
+            selector[name] = f"{low!r}:{high!r}"
+        body = self._session.query_one(suggestion_key(robot), parameters=selector)
+        return SuggestionMessage.decode(body).suggestion()
 
     def record(self, recording: Recording) -> tuple[EntryMessage, list[str]]:
         """Hand over one repetition; see ``Database.record``.

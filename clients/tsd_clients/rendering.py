@@ -7,6 +7,7 @@ else.
 
 from __future__ import annotations
 
+import io
 import os
 import subprocess
 import sys
@@ -15,9 +16,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tsd_casadi.robot import Robot
+from tsd_casadi.state import Matrix
 from tsd_clients.run import Run
+
+Pictures = NDArray[np.uint8]
 
 LIBRARIES = ("egl", "osmesa")
 HINT = (
@@ -25,6 +30,11 @@ HINT = (
     "'apt install libosmesa6' (or libegl1) provides one."
 )
 WIDTH, HEIGHT = 480, 640
+# how long rendering may take: its start, and each picture
+PATIENCE, PATIENCE_PER_PICTURE = 60.0, 2.0  # s
+SHADOW = 1024  # pixels
+COLOURS = 128  # of a GIF
+PALETTE_STEP = 8  # frames between two of those that the colours are chosen from
 
 
 def render_squat(robot: Robot, run: Run, out: Path) -> str:
@@ -38,55 +48,119 @@ def render_squat(robot: Robot, run: Run, out: Path) -> str:
     Returns:
         A sentence that says where the picture is, or what is missing.
     """
-    target = out / "squat.png"
+    from matplotlib.image import imsave
+
     height = np.where(run.log["measured"], run.log["reference"], np.nan)
     moments = [int(np.nanargmax(height)), int(np.nanargmin(height))]
+    frames = render_postures(robot, run.log["q"][moments])
+    if frames is None:
+        return HINT
+    target = out / "squat.png"
+    imsave(target, side_by_side(frames))
+    return f"Picture of the squat: {target}."
+
+
+def render_postures(
+    robot: Robot, postures: Matrix, width: int = WIDTH, height: int = HEIGHT
+) -> Pictures | None:
+    """Render postures with one camera at rest.
+
+    Args:
+        robot: The robot.
+        postures: (N, nq), Pinocchio's convention.
+        width: Of a picture [pixels].
+        height: Of a picture [pixels].
+
+    Returns:
+        (N, height, width, 3) of bytes; None if no GL library works, see ``HINT``.
+    """
     with tempfile.TemporaryDirectory(prefix="tsd-render-") as folder:
-        postures = Path(folder) / "postures.npy"
-        np.save(postures, run.log["q"][moments].astype(float))
+        given, target = Path(folder) / "postures.npy", Path(folder) / "frames.npy"
+        np.save(given, np.asarray(postures, dtype=float))
         for library in (os.environ.get("MUJOCO_GL"), *LIBRARIES):
-            if library and _render_apart(library, robot.path, postures, target):
-                return f"Picture of the squat: {target}."
-    return HINT
+            if library and _render_apart(
+                library,
+                [str(robot.path), str(given), str(target), str(width), str(height)],
+                PATIENCE + PATIENCE_PER_PICTURE * len(postures),
+            ):
+                return np.asarray(np.load(target))
+    return None
 
 
-def _render_apart(library: str, robot: Path, postures: Path, target: Path) -> bool:
-    arguments = [str(robot), str(postures), str(target)]
+def side_by_side(frames: Pictures) -> Pictures:
+    """One picture of several.
+
+    Args:
+        frames: (N, height, width, 3).
+
+    Returns:
+        (height, N * width, 3).
+    """
+    return np.concatenate(list(frames), axis=1)
+
+
+def animate(frames: Pictures, seconds: float) -> bytes:
+    """A GIF that repeats for ever.
+
+    Args:
+        frames: (N, height, width, 3) of bytes.
+        seconds: How long all of them take; GIF knows hundredths of a second.
+    """
+    from PIL import Image
+
+    # one palette for all frames: otherwise what is at rest would flicker
+    palette = Image.fromarray(side_by_side(frames[::PALETTE_STEP])).quantize(COLOURS)
+    first, *others = (
+        Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
+        for frame in frames
+    )
+    buffer = io.BytesIO()
+    duration = 10 * round(100 * seconds / len(frames))
+    first.save(
+        buffer, "GIF", save_all=True, append_images=others, duration=duration, loop=0, optimize=True
+    )
+    return buffer.getvalue()
+
+
+def _render_apart(library: str, arguments: list[str], patience: float) -> bool:
     command = [sys.executable, "-m", "tsd_clients.rendering", *arguments]
     environment = {**os.environ, "MUJOCO_GL": library}
     try:
         done = subprocess.run(
-            command, env=environment, capture_output=True, timeout=60, check=False
+            command, env=environment, capture_output=True, timeout=patience, check=False
         )
     except subprocess.TimeoutExpired:
         return False
-    return done.returncode == 0 and target.is_file()
+    return done.returncode == 0
 
 
-def _render(robot_path: Path, postures: Path, target: Path) -> None:
+def _render(robot_path: Path, postures: Path, target: Path, width: int, height: int) -> None:
     import mujoco
-    from matplotlib.image import imsave
 
     from tsd_casadi import State, load_robot
     from tsd_clients.mujoco_state import StateMap
 
     robot = load_robot(robot_path)
     model: Any = mujoco.MjModel.from_xml_path(str(robot.scene_path))
+    # GL without a graphics card draws shadows of 4096 x 4096 for seconds
+    model.vis.quality.shadowsize = SHADOW
     data = mujoco.MjData(model)
     state_map = StateMap(robot, model)
     frames = []
-    with mujoco.Renderer(model, HEIGHT, WIDTH) as renderer:
+    with mujoco.Renderer(model, height, width) as renderer:
         camera = mujoco.MjvCamera()
         mujoco.mjv_defaultFreeCamera(model, camera)
         camera.distance = 3.0 * float(robot.home_com[2])
+        # where the robot stands at home; a camera that followed it would hide its motion
+        camera.lookat[:] = (*robot.home_com[:2], 0.75 * float(robot.home_com[2]))
         for q in np.load(postures):
             state_map.write(data, State(q, np.zeros(robot.nv)))
             mujoco.mj_forward(model, data)
-            camera.lookat[:] = (q[0], q[1], 0.75 * float(robot.home_com[2]))
             renderer.update_scene(data, camera)
             frames.append(renderer.render().copy())
-    imsave(target, np.concatenate(frames, axis=1))
+    np.save(target, np.array(frames))
 
 
 if __name__ == "__main__":
-    _render(Path(sys.argv[1]), Path(sys.argv[2]), Path(sys.argv[3]))
+    robot_file, given_file, target_file = map(Path, sys.argv[1:4])
+    _render(robot_file, given_file, target_file, int(sys.argv[4]), int(sys.argv[5]))

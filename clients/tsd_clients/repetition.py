@@ -2,35 +2,37 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
-import mujoco
 import numpy as np
 
-from tsd_casadi.command import Command
 from tsd_casadi.controller import WholeBodyController
-from tsd_casadi.exceptions import SimulationError
+from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.laps import Lap, first_steady_lap
-from tsd_casadi.motions import Motion
+from tsd_casadi.motions import Motion, Reference
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.phase_oscillator import PhaseOscillator
 from tsd_casadi.robot import Robot
+from tsd_casadi.standing import hold
 from tsd_casadi.tick_format import Status
-from tsd_clients.mujoco_state import StateMap
+from tsd_clients.correction import Correction, Moment, Setting
+from tsd_clients.feedforward_gate import FeedforwardGate
+from tsd_clients.plant import TIMESTEP, Plant
 from tsd_clients.run import Run
 
-TIMESTEP = 1e-3  # s
 HOLD = 1.0  # s
 # laps added beyond those asked for while the feedback has not settled
 EXTRA_LAPS = 12
 # of the home height of the centre of mass
 FALL_HEIGHT = 0.6
 FLIGHT_HEIGHT = 2.0
-BLOWN_UP = 1e3  # m/s, rad/s: no robot, but a simulation that became unstable
+BLOWN_UP = 1e3  # norm of v: no robot, but a simulation that became unstable
 
 COLUMNS = (
     "time",
@@ -50,9 +52,45 @@ COLUMNS = (
     "compute_us",
     "tick_us",
 )
+LAP_COLUMNS = [COLUMNS.index(name) for name in ("phase", "feedback", "error", "reference")]
 SINGLE_PRECISION = ("all_errors", "q", "v", "tau", "wrenches")
 
 Progress = Callable[[float, float], None]
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Factors on the learned task's gains.
+
+    Attributes:
+        P: On the stiffness.
+        D: On the damping.
+    """
+
+    P: float = 1.0
+    D: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Refuse what is no factor.
+
+        Raises:
+            InvalidValue: If one is not above 0 and at most 100.
+        """
+        for name, value in (("p scale", self.P), ("d scale", self.D)):
+            if not 0 < value <= 100:
+                raise InvalidValue(name, value, "a factor above 0, up to 100")
+
+    @classmethod
+    def critical(cls, factor: float) -> Gains:
+        """P times a factor, with D = 2 sqrt(P) still true where it was.
+
+        Args:
+            factor: On the stiffness.
+
+        Raises:
+            InvalidValue: If it is not above 0 and at most 100.
+        """
+        return cls(factor, math.sqrt(max(factor, 0.0)))
 
 
 class Repetition:
@@ -61,23 +99,23 @@ class Repetition:
     def __init__(
         self,
         robot: Robot,
-        model: Any,
-        data: Any,
+        plant: Plant,
         controller: WholeBodyController,
         motion: Motion,
         feedforward: Feedforward | None,
-        p_scale: float,
+        gains: Gains,
+        corrections: Sequence[Correction],
     ) -> None:
         """Prepare a run.
 
         Args:
-            robot: The robot.
-            model: ``mujoco.MjModel``.
-            data: ``mujoco.MjData`` at the start.
+            robot: The robot as the controller knows it.
+            plant: The simulated robot at its start.
             controller: Local or remote.
             motion: What to do.
             feedforward: Learned term, or none.
-            p_scale: Factor on the learned task's P.
+            gains: Factors on the learned task's gains.
+            corrections: What else changes commands and torques.
 
         Raises:
             SimulationError: If controller or feedforward are for something else.
@@ -89,9 +127,7 @@ class Repetition:
                 f"'{robot.name}'; start both with the same --robot"
             )
         self._robot = robot
-        self._model = model
-        self._data = data
-        self._state_map = StateMap(robot, model)
+        self._plant = plant
         self._controller = controller
         self._motion = motion
         self._task = motion.task(robot)
@@ -106,33 +142,49 @@ class Repetition:
         self._component = tick_format.component_index(self._task, motion.axis)
         self._world_axis = "xyz".index(motion.axis)
         self._wrenches = tick_format.reply.slice("wrenches")
-        self._command: Command = controller.command()
-        self._command[f"{self._task}.P"] *= p_scale
+        self._command = controller.command()
+        hold(self._command, robot, motion.middle(robot))
+        self._command[f"{self._task}.P"] *= gains.P
+        self._command[f"{self._task}.D"] *= gains.D
         # views into the request vector
         self._x = self._command[f"{self._task}.reference"]
         self._xd = self._command[f"{self._task}.reference_velocity"]
         self._xdd = self._command[f"{self._task}.reference_acceleration"]
         self._ff = self._command[f"{self._task}.feedforward"]
-        self._home = float(self._x[self._world_axis])
+        self._middle = self._x.copy()
+        # world axes that the task controls, in its order
+        axes = [name for task, name in tick_format.axes if task == self._task]
+        self._moved = np.array(["xyz".index(name) for name in axes])
         self._oscillator = PhaseOscillator(motion.frequency, motion.start_phase)
         self._fall_height = FALL_HEIGHT * float(robot.home_com[2])
         self._flight_height = FLIGHT_HEIGHT * float(robot.home_com[2])
-        self._columns: dict[str, list[Any]] = {name: [] for name in COLUMNS}
+        self._rows: list[tuple[Any, ...]] = []
         self._laps: list[Lap] = []
         self._lap_starts: list[int] = []
         self._fell = False
         self._steady = False
+        self._corrections = corrections
+        setting = Setting(
+            robot=robot,
+            controller=controller,
+            task=self._task,
+            component=self._component,
+            axis=self._axis,
+            dt=TIMESTEP,
+        )
+        for correction in corrections:
+            correction.start(setting)
 
     @property
     def _time(self) -> float:
-        return TIMESTEP * len(self._columns["time"])
+        return TIMESTEP * len(self._rows)
 
     def hold(self, progress: Progress | None) -> None:
-        """Stand at home; the feedforward is that of the starting phase."""
+        """Stand in the middle of the motion; the feedforward is that of the starting phase."""
         ticks = round(HOLD / TIMESTEP)
         feedforward = float(self._feedforward.mean([self._motion.start_phase])[0, 0])
         for tick in range(ticks):
-            self._tick(-1, 0.0, 0.0, 0.0, feedforward)
+            self._tick(-1, Reference(0.0, 0.0, 0.0), feedforward)
             if progress is not None and tick % 200 == 0:
                 progress(self._time, 2 * HOLD)
             if self._fell:
@@ -153,7 +205,10 @@ class Repetition:
 
     def finish(self, settings: dict[str, Any]) -> Run:
         """Measure and pack up."""
-        log = {name: np.array(values) for name, values in self._columns.items()}
+        log = {
+            name: np.array([row[column] for row in self._rows])
+            for column, name in enumerate(COLUMNS)
+        }
         first = first_steady_lap(self._laps)
         measured = np.zeros(len(log["time"]), dtype=bool)
         laps: list[Lap] = []
@@ -168,7 +223,7 @@ class Repetition:
         return Run(
             robot=self._robot.name,
             motion=self._motion,
-            feedforward=self._feedforward,
+            feedforward=self._feedforward_in_the_end(),
             gains={
                 field: self._command[f"{self._task}.{field}"].tolist() for field in ("P", "D", "W")
             },
@@ -185,8 +240,16 @@ class Repetition:
             },
         )
 
+    def _feedforward_in_the_end(self) -> Feedforward:
+        """The one of the measured laps: none if the gate dropped it."""
+        feedforward = self._feedforward
+        gates = [item for item in self._corrections if isinstance(item, FeedforwardGate)]
+        if any(gate.dropped_at is not None for gate in gates):
+            return Feedforward.zero(feedforward.axes, feedforward.basis)
+        return feedforward
+
     def _lap(self) -> None:
-        start = len(self._columns["time"])
+        start = len(self._rows)
         lap, step = self._oscillator.lap, self._oscillator.omega * TIMESTEP
         # the whole lap's feedforward at once: a matrix product, not 4000
         count = int(2 * np.pi / step) + 2
@@ -195,55 +258,76 @@ class Repetition:
         tick = 0
         while self._oscillator.lap == lap and not self._fell:
             reference = self._motion.reference(self._oscillator.elapsed)
-            self._tick(lap, reference.x, reference.xd, reference.xdd, float(feedforward[tick]))
+            self._tick(lap, reference, float(feedforward[tick]))
             self._oscillator.advance(TIMESTEP)
             tick += 1
         if not self._fell:
             self._lap_starts.append(start)
-            self._laps.append(
-                Lap(
-                    np.array(self._columns["phase"][start:]),
-                    np.array(self._columns["feedback"][start:])[None, :],
-                )
+            phase, *rows = (
+                np.array([row[column] for row in self._rows[start:]]) for column in LAP_COLUMNS
             )
+            feedback, error, wanted = (values[None, :] for values in rows)
+            self._laps.append(Lap(phase, feedback, error, wanted))
 
-    def _tick(self, lap: int, x: float, xd: float, xdd: float, feedforward: float) -> None:
-        axis, data, state_map = self._component, self._data, self._state_map
-        self._x[self._world_axis] = self._home + x
-        self._xd[axis], self._xdd[axis], self._ff[axis] = xd, xdd, feedforward
-        # positions and velocities first, so that the true centre of mass is the
-        # one of the state that the controller is asked about
-        mujoco.mj_step1(self._model, data)
-        state = state_map.read(data)
-        com = data.subtree_com[state_map.base_body]
+    def _tick(self, lap: int, reference: Reference, feedforward: float) -> None:
+        plant, axis, time = self._plant, self._world_axis, self._time
+        true, state = plant.measure()
+        com = plant.com
         # NaN is a fall as well
         stands = self._fall_height < com[2] < self._flight_height
-        if not (stands and np.abs(state.v).max() < BLOWN_UP):
+        if not (stands and true.v @ true.v < BLOWN_UP**2):
             self._fell = True
             return
+        moment = Moment(
+            time, self._oscillator.phase, lap, state, reference, feedforward, self._command
+        )
+        for correction in self._corrections:
+            correction.before(moment)
+        self._write(moment)
         before = perf_counter()
         tick = self._controller.tick(state, self._command)
         after = perf_counter()
-        error, feedback = tick.error, tick.feedback
-        values = (
-            self._time,
-            self._oscillator.phase,
-            lap,
-            self._home + x,
-            error[self._axis],
-            self._home + x - com[self._world_axis],
-            feedback[self._axis],
-            feedforward,
-            error,
-            state.q,
-            state.v,
-            tick.tau,
-            tick.reply[self._wrenches],
-            int(tick.reply[0]),
-            tick.compute_time,
-            1e6 * (after - before),
+        moment.tick, moment.tau = tick, tick.tau
+        if self._corrections:
+            self._correct_torque(moment)
+        wanted = self._middle[axis] + reference.x
+        error = tick.error
+        self._rows.append(
+            (
+                time,
+                moment.phase,
+                lap,
+                wanted,
+                error[self._axis],
+                wanted - com[axis],
+                tick.feedback[self._axis],
+                moment.feedforward,
+                error,
+                true.q,
+                true.v,
+                moment.tau,
+                tick.reply[self._wrenches],
+                int(tick.reply[0]),
+                tick.compute_time,
+                1e6 * (after - before),
+            )
         )
-        for column, value in zip(self._columns.values(), values, strict=True):
-            column.append(value)
-        data.ctrl[state_map.actuators] = tick.tau
-        mujoco.mj_step2(self._model, data)
+        plant.step(moment.tau, time)
+
+    def _correct_torque(self, moment: Moment) -> None:
+        """Ask the corrections; no motor gives more than its limit."""
+        # a copy: the tick's answer stays what the controller said
+        moment.tau = moment.tau.copy()
+        for correction in self._corrections:
+            correction.after(moment)
+        limit = self._robot.torque_limit
+        moment.tau = np.clip(moment.tau, -limit, limit)
+
+    def _write(self, moment: Moment) -> None:
+        """Reference, feedforward and corrections into the command."""
+        component, reference = self._component, moment.reference
+        np.add(self._middle, moment.shift, out=self._x)
+        self._x[self._world_axis] += reference.x
+        np.take(moment.shift_rate, self._moved, out=self._xd)
+        self._xd[component] += reference.xd
+        self._xdd[component], self._ff[component] = reference.xdd, moment.feedforward

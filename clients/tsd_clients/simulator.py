@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import mujoco
 import numpy as np
-import pinocchio
 
 from tsd_casadi import State
 from tsd_casadi.controller import WholeBodyController
@@ -14,14 +14,20 @@ from tsd_casadi.exceptions import InvalidValue, RobotFileError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions import Motion
 from tsd_casadi.robot import Robot
+from tsd_clients.correction import Correction
+from tsd_clients.disturbances import Disturbance
+from tsd_clients.hardware import add_to_model, check_effects
+from tsd_clients.model_error import ModelError
 from tsd_clients.mujoco_state import StateMap
 from tsd_clients.parity import check_parity
-from tsd_clients.repetition import TIMESTEP, Progress, Repetition
+from tsd_clients.plant import TIMESTEP, Plant
+from tsd_clients.repetition import Gains, Progress, Repetition
 from tsd_clients.run import Run
 
 # starting posture: joints off home by up to this [rad], as in the paper's
 # simulation, which "has a small starting randomness built-in"
 START_NOISE = 2e-3
+UNCHANGED = Gains()
 
 
 class MujocoSimulator:
@@ -30,25 +36,34 @@ class MujocoSimulator:
     Attributes:
         robot: The robot as its files describe it.
         model: ``mujoco.MjModel`` with the model error applied.
-        model_error: E; the controller's masses and inertias are 1 + E times
-            the simulated robot's.
+        model_error: How far the controller's masses and inertias are from the
+            simulated robot's.
+        hardware: Names of the hardware effects that count.
         state_map: Conversion between the conventions of scene and robot.
     """
 
-    def __init__(self, robot: Robot, model_error: float = 0.0) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        model_error: float | ModelError = 0.0,
+        hardware: Collection[str] = (),
+    ) -> None:
         """Load the scene and check it against the URDF.
 
         Args:
             robot: The robot.
-            model_error: E, greater than -1.
+            model_error: E of every link, greater than -1, or errors that differ.
+            hardware: Effects that count, from ``tsd_clients.hardware.EFFECTS``,
+                or 'all'; none by default.
 
         Raises:
             RobotFileError: If the scene cannot be used.
             ParityError: If scene and URDF describe different bodies.
-            InvalidValue: If the model error is out of range.
+            InvalidValue: If the model error is out of range or an effect unknown.
         """
-        if not -0.9 <= model_error <= 9.0:
-            raise InvalidValue("model error", model_error, "a fraction from -0.9 to 9, 0.1 is 10 %")
+        if not isinstance(model_error, ModelError):
+            model_error = ModelError(model_error)
+        self.hardware = check_effects(robot, hardware)
         try:
             model: Any = mujoco.MjModel.from_xml_path(str(robot.scene_path))
         except ValueError as error:
@@ -61,32 +76,31 @@ class MujocoSimulator:
         model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
         # a simulation that blew up is a fall, not a new start
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-        model.body_mass[:] /= 1 + model_error
-        model.body_inertia[:] /= 1 + model_error
+        state_map = StateMap(robot, model)
+        # the world's body comes first and has no mass
+        factors = np.concatenate(([1.0], model_error.factors(model.nbody - 1)))
+        model.body_mass[:] /= factors
+        model.body_inertia[:] /= factors[:, None]
+        numbers = robot.description.hardware
+        if numbers is not None:
+            add_to_model(model, state_map.v_joints, numbers, self.hardware)
         mujoco.mj_setConst(model, mujoco.MjData(model))
         self.robot = robot
         self.model = model
         self.model_error = model_error
-        self.state_map = StateMap(robot, model)
+        self.state_map = state_map
 
-    def start(self, seed: int = 0) -> Any:
-        """A fresh ``mujoco.MjData`` at home, joints off by a little.
+    def start(self, posture: State, seed: int = 0) -> State:
+        """A posture with its joints off by a little, soles on the ground on average.
 
         Args:
+            posture: What it is near to.
             seed: Of the starting randomness.
         """
         rng = np.random.default_rng(seed)
-        home = self.robot.home
-        q = home.q.copy()
+        q = posture.q.copy()
         q[7:] += rng.uniform(-START_NOISE, START_NOISE, size=self.robot.n)
-        model, pin_data = self.robot.model, self.robot.model.createData()
-        pinocchio.framesForwardKinematics(model, pin_data, q)
-        frames = [model.getFrameId(contact.frame) for contact in self.robot.description.contacts]
-        q[2] -= np.mean([pin_data.oMf[frame].translation[2] for frame in frames])
-        data = mujoco.MjData(self.model)
-        self.state_map.write(data, State(q, home.v))
-        mujoco.mj_forward(self.model, data)
-        return data
+        return State(self.robot.put_on_ground(q), posture.v)
 
     def run(
         self,
@@ -95,24 +109,28 @@ class MujocoSimulator:
         *,
         laps: int = 3,
         feedforward: Feedforward | None = None,
-        p_scale: float = 1.0,
+        gains: Gains = UNCHANGED,
+        corrections: Sequence[Correction] = (),
+        disturbances: Sequence[Disturbance] = (),
         seed: int = 0,
         transport: str = "local",
         progress: Progress | None = None,
     ) -> Run:
         """Simulate one repetition in lock-step with a controller.
 
-        The robot holds home for one second with the feedforward of the
-        starting phase, then moves. Laps are added until two consecutive ones
-        agree, up to a bound.
+        The robot holds the middle of the motion for one second with the
+        feedforward of the starting phase, then moves. Laps are added until two
+        consecutive ones agree, up to a bound.
 
         Args:
             controller: Local or remote.
             motion: What to do.
             laps: Least number of laps.
             feedforward: Learned term; none by default.
-            p_scale: Factor on the learned task's P; D stays.
-            seed: Of the starting randomness.
+            gains: Factors on the learned task's gains.
+            corrections: What else changes commands and torques.
+            disturbances: What pushes the robot.
+            seed: Of the starting randomness and of the sensors' noise.
             transport: How the controller is reached, for the records.
             progress: Called with (done, total) seconds of simulated time.
 
@@ -126,17 +144,26 @@ class MujocoSimulator:
         motion.check(self.robot)
         if laps < 2:
             raise InvalidValue("laps", laps, "at least 2, the first one settles")
-        if not 0 < p_scale <= 100:
-            raise InvalidValue("p scale", p_scale, "a factor above 0, up to 100")
-        data = self.start(seed)
+        middle = motion.middle(self.robot)
+        plant = Plant(
+            self.robot,
+            self.model,
+            self.start(middle, seed),
+            middle,
+            self.hardware,
+            disturbances,
+            seed,
+        )
         repetition = Repetition(
-            self.robot, self.model, data, controller, motion, feedforward, p_scale
+            self.robot, plant, controller, motion, feedforward, gains, corrections
         )
         repetition.hold(progress)
         repetition.move(laps, progress)
         settings = {
-            "model_error": self.model_error,
-            "p_scale": p_scale,
+            **self.model_error.settings(),
+            "hardware": list(self.hardware),
+            "p_scale": gains.P,
+            "d_scale": gains.D,
             "transport": transport,
             "seed": seed,
         }

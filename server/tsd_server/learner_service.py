@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,26 +10,37 @@ import zenoh
 
 from tsd_casadi.database import Database
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
-from tsd_casadi.keys import ANY_ROBOT, database_key, feedforward_key, record_key, robot_of
+from tsd_casadi.keys import (
+    ANY_ROBOT,
+    database_key,
+    feedforward_key,
+    record_key,
+    robot_of,
+    suggestion_key,
+)
 from tsd_casadi.messages import (
     DatabaseReply,
     EntryMessage,
     FeedforwardMessage,
     RecordMessage,
     RecordReply,
+    SuggestionMessage,
 )
-from tsd_casadi.motions.squat import UNITS
 from tsd_server.service import Service, reply_json
 
 # robot chunk of replies to a query for any robot
 EVERY = "all"
 # some ten times the laps of the slowest squat [bytes]
-LARGEST_RECORDING = 20_000_000
+LARGEST_RECORDING = 50_000_000
 OPTIONS = ("task", "kind", "extrapolate")
+# words that a task parameter cannot have for a name
+TAKEN = (*OPTIONS, "robot", "region")
+QUERY = "?task=squat;amplitude=0.05;frequency=0.25"
+REGION = "?task=squat;amplitude=0.02:0.08;frequency=0.2:0.6"
 
 
 class LearnerService:
-    """Answers record, feedforward and database queries for every robot.
+    """Answers feedforward, suggestion, record and database queries for every robot.
 
     Attributes:
         path: The database file.
@@ -57,7 +67,7 @@ class LearnerService:
     def run(self) -> None:
         """Serve until SIGINT or SIGTERM."""
         with self._service as service:
-            # one key for all three, so that one thread owns the database
+            # one key for all, so that one thread owns the database
             service.answer("tsd/*/learner/*", self._answer)
             service.run(f"database {self.path}")
 
@@ -73,6 +83,7 @@ class LearnerService:
         robot = robot_of(key)
         answers = {
             feedforward_key(robot): self._feedforward,
+            suggestion_key(robot): self._suggestion,
             record_key(robot): self._record,
             database_key(robot): self._entries,
         }
@@ -83,18 +94,16 @@ class LearnerService:
     def _feedforward(self, query: zenoh.Query, robot: str) -> None:
         if robot == ANY_ROBOT:
             raise MalformedMessage("a feedforward for any robot", "the robot's name in the key")
-        texts = {name: str(value) for name, value in _items(query.parameters)}
-        if "task" not in texts:
-            raise MalformedMessage(
-                "no task in the query", "?task=squat;amplitude=0.05;frequency=0.25"
-            )
+        texts = _texts(query, QUERY)
         kind = texts.get("kind")
         if kind not in (None, "learned", "generalised"):
             raise InvalidValue("kind", repr(kind), "learned or generalised")
         extrapolate = texts.get("extrapolate", "false").lower()
         if extrapolate not in ("true", "false"):
             raise InvalidValue("extrapolate", repr(extrapolate), "true or false")
-        parameters = _parameters({n: t for n, t in texts.items() if n not in OPTIONS})
+        parameters = {
+            name: _number(name, text) for name, text in texts.items() if name not in OPTIONS
+        }
         feedforward = self._open_database.query(
             texts["task"],
             robot=robot,
@@ -104,6 +113,22 @@ class LearnerService:
         )
         message = FeedforwardMessage.of(robot, texts["task"], feedforward)
         reply_json(query, feedforward_key(robot), message.encode())
+
+    def _suggestion(self, query: zenoh.Query, robot: str) -> None:
+        if robot == ANY_ROBOT:
+            raise MalformedMessage("a suggestion for any robot", "the robot's name in the key")
+        texts = _texts(query, REGION)
+        task = texts.pop("task")
+        region, fixed = {}, {}
+        for name, text in texts.items():
+            low, colon, high = text.partition(":")
+            if colon:
+                region[name] = _number(name, low), _number(name, high)
+            else:
+                fixed[name] = _number(name, text)
+        suggestion = self._open_database.suggest(task, robot=robot, region=region, **fixed)
+        message = SuggestionMessage.of(robot, task, suggestion)
+        reply_json(query, suggestion_key(robot), message.encode())
 
     def _record(self, query: zenoh.Query, robot: str) -> None:
         if robot == ANY_ROBOT:
@@ -116,7 +141,6 @@ class LearnerService:
                 f"a recording of {len(payload)} bytes", f"at most {LARGEST_RECORDING}"
             )
         recording = RecordMessage.decode(payload).recording(robot)
-        _parameters({name: str(value) for name, value in recording.key.parameters})
         entry, notes = self._open_database.record(recording)
         reply = RecordReply(entry=EntryMessage.of(entry), notes=notes)
         reply_json(query, record_key(robot), reply.encode())
@@ -138,30 +162,21 @@ class LearnerService:
         reply_json(query, database_key(name), reply.encode())
 
 
-def _items(parameters: zenoh.Parameters) -> list[tuple[str, str]]:
+def _texts(query: zenoh.Query, example: str) -> dict[str, str]:
+    """The selector's parameters, a task among them."""
     # the stub does not know that Parameters iterate over pairs
-    return list(dict(parameters).items())  # type: ignore[call-overload]
+    pairs = list(dict(query.parameters).items())  # type: ignore[call-overload]
+    texts = {str(name): str(value) for name, value in pairs}
+    if "task" not in texts:
+        raise MalformedMessage("no task in the query", example)
+    return texts
 
 
-def _parameters(texts: dict[str, str]) -> dict[str, float]:
-    """Task parameters from a selector, every one known, present and positive."""
-    parameters = {}
-    for name, text in texts.items():
-        if name not in UNITS:
-            raise InvalidValue(
-                f"parameter '{name}'", repr(text), f"only {', '.join((*OPTIONS, *UNITS))}"
-            )
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not 0 < value < 1e6:
-            raise InvalidValue(name, repr(text), f"a positive number in {UNITS[name]}")
-        parameters[name] = value
-    missing = [name for name in UNITS if name not in parameters]
-    if missing:
-        raise MalformedMessage(
-            f"no {' and no '.join(missing)} in the query",
-            "?task=squat;amplitude=0.05;frequency=0.25",
-        )
-    return parameters
+def _number(name: str, text: str) -> float:
+    """A task parameter; whether it makes sense is for the database to say."""
+    if name in TAKEN:
+        raise InvalidValue(f"parameter '{name}'", repr(text), "the name of a task parameter")
+    try:
+        return float(text)
+    except ValueError:
+        raise InvalidValue(name, repr(text), "a number in SI units") from None

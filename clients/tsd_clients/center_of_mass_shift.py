@@ -1,0 +1,55 @@
+r"""A run with the corrected centre of mass.
+
+.. math:: x_{ref} + \big( c_{model}(q) - c(q) \big) - c_{model}(q) = x_{ref} - c(q)
+
+The controller goes on with its own model and, since its reference is shifted,
+sees the error of the corrected centre of mass.
+"""
+
+from __future__ import annotations
+
+from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
+from tsd_casadi.exceptions import InvalidValue
+from tsd_clients.correction import Correction, Moment, Setting
+
+
+class CenterOfMassShift(Correction):
+    """Shifts the reference by the model's error of the centre of mass."""
+
+    def __init__(self, correction: CenterOfMassCorrection) -> None:
+        """Use a correction.
+
+        Args:
+            correction: Of the robot that will run.
+        """
+        self._correction = correction
+
+    def start(self, setting: Setting) -> None:
+        """Refuse another robot's correction, or a task that is no centre of mass.
+
+        Args:
+            setting: What the run is about.
+
+        Raises:
+            InvalidValue: If correction and run do not belong together.
+        """
+        corrected, robot = self._correction.robot, setting.robot
+        if corrected.fingerprint != robot.fingerprint:
+            raise InvalidValue(
+                "robot of the centre of mass' correction",
+                f"{corrected.name} ({corrected.fingerprint})",
+                f"{robot.name} ({robot.fingerprint})",
+            )
+        kinds = {task.name: task.type for task in robot.description.tasks}
+        if kinds[setting.task] != "com":
+            raise InvalidValue("task", setting.task, "one of the centre of mass")
+
+    def before(self, moment: Moment) -> None:
+        """Shift position and velocity.
+
+        Args:
+            moment: The tick, without its answer.
+        """
+        q, v = moment.state.q, moment.state.v
+        moment.shift -= self._correction.offset(q)
+        moment.shift_rate -= self._correction.offset_rate(q, v)

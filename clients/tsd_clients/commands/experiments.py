@@ -1,0 +1,63 @@
+"""'tsd demo' and 'tsd reproduce'."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tsd_casadi import load_robot
+from tsd_clients.commands.options import (
+    ROBOT,
+    JsonOption,
+    RobotOption,
+)
+from tsd_clients.commands.output import check_writable, put_out
+from tsd_clients.tables import console, print_goals
+
+
+def demo(
+    robot: RobotOption = ROBOT,
+    out: Annotated[
+        Path, typer.Option("--out", help="Folder for summary, logs and figures.")
+    ] = Path("results/demo"),
+) -> None:
+    """Show everything: services, learning, lower gains, generalisation (about 3 minutes)."""
+    from tsd_clients.demo import run_demo
+
+    run_demo(load_robot(robot), out)
+
+
+def reproduce(
+    figure: Annotated[
+        int | None,
+        typer.Option("--figure", help="Only this figure of the paper: 2, 3, 4, 5 or 6."),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A short form of everything, in under five minutes.")
+    ] = False,
+    robot: RobotOption = ROBOT,
+    out: Annotated[
+        Path, typer.Option("--out", help="Folder for data, figures, report.html and summary.json.")
+    ] = Path("results/paper"),
+    page: Annotated[
+        Path | None, typer.Option("--page", help="Write the report as Markdown to this file too.")
+    ] = None,
+    json_file: JsonOption = None,
+) -> None:
+    """Run the paper's experiments and those beyond it; under 45 minutes on two cores.
+
+    What is finished is kept in the folder and not run again, so an interrupted
+    run goes on where it stopped.
+    """
+    from tsd_clients.reproduction.run import reproduce as run_experiments
+
+    check_writable(json_file)
+    summary = run_experiments(load_robot(robot), out, figure=figure, quick=quick, page=page)
+
+    def show() -> None:
+        print_goals(summary["rows"])
+        console.print(f"{summary['seconds_without_what_was_kept']} s; {out / 'report.html'}")
+
+    put_out(summary, json_file, show)

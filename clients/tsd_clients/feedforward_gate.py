@@ -1,0 +1,118 @@
+r"""Drops a borrowed feedforward that does more harm than good.
+
+The error e of the learned axis and what the feedforward u contributes to it
+obey, as far as the task is controlled by inverse dynamics,
+
+.. math::
+
+    \ddot e + D \dot e + P e = d - u, \qquad
+    \ddot e_u + D \dot e_u + P e_u = u ,
+
+with d what the model lacks. Their sum is the error that would be there without
+feedforward, so that u makes tracking worse than none when
+
+.. math:: \sum e^2 > \sum (e + e_u)^2 .
+
+That is decided over a whole lap, and after half a lap already where the left
+side is three times the right one. The feedforward is then faded out for the
+rest of the run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+from tsd_clients.correction import Correction, Moment, Setting
+
+FADE = 0.2  # s
+# of squared errors: below it there is nothing to judge
+NEGLIGIBLE = 1e-4**2  # m^2
+# half a lap alone may mislead where offset and motion have both to be made up
+# for; a feedforward of the wrong sign leaves twice the error, four times its square
+CLEARLY_WORSE = 3.0
+
+
+class FeedforwardGate(Correction):
+    """Watches one run's feedforward.
+
+    Attributes:
+        dropped_at: When it was dropped [s]; None while it is in use.
+    """
+
+    def __init__(self) -> None:
+        """Start with the feedforward in use."""
+        self.dropped_at: float | None = None
+
+    def start(self, setting: Setting) -> None:
+        """Note which axis is learned; a new run starts with the feedforward in use."""
+        self.dropped_at = None
+        self._axis, self._component = setting.axis, setting.component
+        self._task, self._dt = setting.task, setting.dt
+        self._windows = (_Window(math.pi, CLEARLY_WORSE), _Window(2 * math.pi, 1.0))
+        # e_u and its rate
+        self._moved = self._rate = 0.0
+
+    def before(self, moment: Moment) -> None:
+        """Fade the feedforward out once it is dropped."""
+        if self.dropped_at is not None:
+            left = 1 - (moment.time - self.dropped_at) / FADE
+            moment.feedforward *= max(left, 0.0)
+
+    def after(self, moment: Moment) -> None:
+        """Judge what was seen so far; the hold before the motion is not judged."""
+        if self.dropped_at is not None or moment.tick is None:
+            return
+        if moment.lap >= 0:
+            error = float(moment.tick.error[self._axis])
+            squares = error**2, (error + self._moved) ** 2
+            # both windows have to see every tick
+            worse = [window.add(moment.phase, *squares) for window in self._windows]
+            if any(worse):
+                self.dropped_at = moment.time
+        self._advance(moment)
+
+    def _advance(self, moment: Moment) -> None:
+        P, D = (float(moment.command[f"{self._task}.{gain}"][self._component]) for gain in "PD")
+        acceleration = moment.feedforward - D * self._rate - P * self._moved
+        self._rate += self._dt * acceleration
+        self._moved += self._dt * self._rate
+
+
+class _Window:
+    """Sums over the newest part of a run."""
+
+    def __init__(self, length: float, ratio: float) -> None:
+        """Start with nothing.
+
+        Args:
+            length: Of the part [rad of phase].
+            ratio: How many times worse is too bad.
+        """
+        self._length = length
+        self._ratio = ratio
+        self._ticks: deque[tuple[float, float, float]] = deque()
+        self._with = self._without = 0.0
+
+    def add(self, phase: float, with_it: float, without_it: float) -> bool:
+        """Take in a tick.
+
+        Args:
+            phase: phi [rad], not wrapped.
+            with_it: e^2 [m^2].
+            without_it: (e + e_u)^2 [m^2].
+
+        Returns:
+            Whether the window is full and u too bad in it.
+        """
+        self._ticks.append((phase, with_it, without_it))
+        self._with += with_it
+        self._without += without_it
+        if phase - self._ticks[0][0] < self._length:
+            return False
+        allowed = self._ratio * self._without + NEGLIGIBLE * len(self._ticks)
+        worse = self._with > allowed
+        _, with_it, without_it = self._ticks.popleft()
+        self._with -= with_it
+        self._without -= without_it
+        return worse

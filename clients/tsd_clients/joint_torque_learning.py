@@ -1,0 +1,247 @@
+r"""Learning in joint torques instead of task accelerations, the usual alternative.
+
+.. math::
+
+    \tau_{ff,i}(\phi) = \tau_{ff,i-1}(\phi) + \tau_{fb,i-1}(\phi), \qquad
+    \tau_{fb} = \tau - \tau\big|_{P = D = 0}
+
+The feedback of every task and of the posture, as the torques that the
+controller made of it, is added to the torques of the next repetition: feedback
+error learning as in Pollard and Atkeson, and the torques of Denisa et al.'s
+compliant movement primitives. One periodic signal for each joint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.exceptions import InvalidValue, SimulationError
+from tsd_casadi.generalization import WeightRegression
+from tsd_casadi.motions import Motion
+from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.state import Matrix, Vector
+from tsd_clients.correction import Correction, Moment, Setting
+from tsd_clients.repetition import Gains
+from tsd_clients.run import Run
+from tsd_clients.simulator import UNCHANGED, MujocoSimulator
+
+
+@dataclass(frozen=True)
+class TorqueFeedforward:
+    """Joint torques to add, as functions of the phase.
+
+    Attributes:
+        joints: Names of the n joints.
+        basis: The basis of the weights.
+        weights: (n, L) [N m].
+        parameters: Task parameters it is meant for, SI units.
+    """
+
+    joints: tuple[str, ...]
+    basis: PeriodicBasis
+    weights: Matrix
+    parameters: dict[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def zero(cls, joints: Sequence[str], parameters: dict[str, float]) -> TorqueFeedforward:
+        """Nothing learned yet."""
+        basis = PeriodicBasis()
+        return cls(tuple(joints), basis, np.zeros((len(joints), basis.L)), parameters)
+
+    def mean(self, phase: ArrayLike) -> Matrix:
+        """The torques.
+
+        Args:
+            phase: (N,) [rad].
+
+        Returns:
+            (n, N) [N m].
+        """
+        return self.basis.evaluate(phase, self.weights)
+
+
+class FeedbackTorque(Correction):
+    """Records which part of the torques is feedback.
+
+    At every tick it asks the controller a second time, at the same state and
+    command, with P and D of all tasks and of the posture at zero.
+
+    Attributes:
+        torques: One (n,) per tick [N m].
+    """
+
+    def __init__(self) -> None:
+        """Start empty."""
+        self.torques: list[Vector] = []
+
+    def start(self, setting: Setting) -> None:
+        """Forget the last run."""
+        self._controller = setting.controller
+        self._without = setting.controller.command()
+        names = [task.name for task in setting.robot.description.tasks]
+        self._gains = [f"{name}.{gain}" for name in (*names, "posture") for gain in "PD"]
+        self.torques = []
+
+    def after(self, moment: Moment) -> None:
+        """Ask again without feedback."""
+        assert moment.tick is not None
+        self._without.request[:] = moment.command.request
+        for gain in self._gains:
+            self._without[gain] = 0.0
+        without = self._controller.tick(moment.state, self._without)
+        self.torques.append(moment.tick.tau - without.tau)
+
+
+class LearnedTorque(Correction):
+    """Adds a torque feedforward."""
+
+    def __init__(self, feedforward: TorqueFeedforward) -> None:
+        """Take what was learned.
+
+        Args:
+            feedforward: Of the same robot.
+        """
+        self._feedforward = feedforward
+
+    def start(self, setting: Setting) -> None:
+        """Check the joints.
+
+        Raises:
+            SimulationError: If it was learned with other joints.
+        """
+        if self._feedforward.joints != tuple(setting.robot.joint_names):
+            raise SimulationError(
+                f"the torques are for {', '.join(self._feedforward.joints)}, {setting.robot.name} "
+                f"has {', '.join(setting.robot.joint_names)}; learn them with this robot"
+            )
+
+    def after(self, moment: Moment) -> None:
+        """Add the torques of this phase."""
+        moment.tau = moment.tau + self._feedforward.mean([moment.phase])[:, 0]
+
+
+def learn_joint_torques(
+    simulator: MujocoSimulator,
+    controller: WholeBodyController,
+    motion: Motion,
+    iterations: int,
+    *,
+    laps: int = 3,
+    gains: Gains = UNCHANGED,
+    seed: int = 0,
+) -> tuple[list[Run], TorqueFeedforward]:
+    """Repeat a motion, learning torques from one repetition to the next.
+
+    N iterations are N repetitions; how well the result does, another run tells.
+
+    Args:
+        simulator: The simulated robot.
+        controller: Local or remote.
+        motion: What to learn.
+        iterations: Learning iterations.
+        laps: Least number of laps of each run.
+        gains: Factors on the learned task's gains.
+        seed: Of the starting randomness.
+
+    Returns:
+        The repetitions learned from, and what was learned.
+
+    Raises:
+        InvalidValue: If iterations is not at least 1.
+        SimulationError: If the robot fell, a tick failed, or the feedback never
+            settled.
+    """
+    if iterations < 1:
+        raise InvalidValue("iterations", iterations, "at least 1")
+    learned = TorqueFeedforward.zero(simulator.robot.joint_names, motion.parameters)
+    runs = []
+    for _ in range(iterations):
+        recorded = FeedbackTorque()
+        run = simulator.run(
+            controller,
+            motion,
+            laps=laps,
+            gains=gains,
+            corrections=[recorded, LearnedTorque(learned)],
+            seed=seed,
+        )
+        learned = add_feedback(learned, run, recorded)
+        runs.append(run)
+    return runs, learned
+
+
+def add_feedback(
+    applied: TorqueFeedforward, run: Run, recorded: FeedbackTorque
+) -> TorqueFeedforward:
+    """Torques for the next repetition.
+
+    Args:
+        applied: Torques that the repetition used.
+        run: The repetition.
+        recorded: Its feedback torques.
+
+    Returns:
+        Applied plus fitted.
+
+    Raises:
+        SimulationError: If the robot fell, a tick failed, or the feedback never
+            settled.
+    """
+    if run.fell or run.failures or not run.steady:
+        what = "fell" if run.fell else "failed ticks" if run.failures else "did not settle"
+        raise SimulationError(
+            f"nothing can be learned from a repetition that {what}; try a larger P or a "
+            "slower or smaller motion"
+        )
+    measured = run.log["measured"]
+    feedback = np.array(recorded.torques)[measured].T
+    weights = applied.weights + applied.basis.fit(run.log["phase"][measured], feedback)
+    return TorqueFeedforward(applied.joints, applied.basis, weights, applied.parameters)
+
+
+def generalise_torques(
+    task: str, learned: Sequence[TorqueFeedforward], parameters: dict[str, float]
+) -> TorqueFeedforward:
+    """Torques for task parameters that were never tried, as for task accelerations.
+
+    Args:
+        task: Name of the motion.
+        learned: What was learned at other parameters; the regression is over
+            those that differ.
+        parameters: The parameters asked for, SI units.
+
+    Returns:
+        The predicted torques.
+
+    Raises:
+        InvalidValue: If nothing was learned.
+        EntryNotFound: If too little was learned.
+        OutsideTrainedRange: If a parameter is outside of what was learned.
+    """
+    if not learned:
+        raise InvalidValue("learned", "empty", "torques learned at some other parameters")
+    first = learned[0]
+    names, inputs = varied([other.parameters for other in learned])
+    regression = WeightRegression(
+        task, names, inputs, [other.weights for other in learned], first.basis
+    )
+    mean, _ = regression.predict(parameters)
+    return TorqueFeedforward(first.joints, first.basis, mean, dict(parameters))
+
+
+def varied(parameters: Sequence[dict[str, float]]) -> tuple[list[str], Matrix]:
+    """Which task parameters differ, and their values.
+
+    Args:
+        parameters: Of some motions, n of them.
+
+    Returns:
+        Names of those that differ, d of them, and their values, (n, d).
+    """
+    names = [name for name in parameters[0] if len({each[name] for each in parameters}) > 1]
+    return names, np.array([[each[name] for name in names] for each in parameters])
