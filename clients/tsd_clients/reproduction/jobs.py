@@ -1,0 +1,212 @@
+"""Jobs: pieces of work that are done once, on all cores, and kept."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, field
+from functools import lru_cache
+from importlib import import_module
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from tsd_casadi import Controller, __version__, compile_controller, load_robot
+from tsd_casadi.exceptions import TsdError
+from tsd_casadi.robot import Robot
+from tsd_casadi.state import Vector
+from tsd_clients.reproduction.case import Outcome
+from tsd_clients.service_process import start_services
+
+
+@dataclass(frozen=True)
+class Job:
+    """One piece of work.
+
+    Attributes:
+        name: Name of its files.
+        function: 'module:function' of this package, called with robot,
+            controller and the arguments; gives an ``Outcome``.
+        arguments: Plain data.
+        cost: Estimated seconds, for the order of work and the bar.
+        over_network: Ask both services over Zenoh; such jobs are done one
+            after another, since controller and simulator keep two cores busy.
+    """
+
+    name: str
+    function: str
+    arguments: dict[str, Any] = field(default_factory=dict)
+    cost: float = 10.0
+    over_network: bool = False
+
+    def fingerprint(self, robot: Robot) -> str:
+        """What the stored result must have been made from."""
+        content = [
+            self.function,
+            self.arguments,
+            self.over_network,
+            __version__,
+            robot.fingerprint,
+        ]
+        return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class Result:
+    """A finished job.
+
+    Attributes:
+        rows: Plain data, one per run.
+        arrays: Traces and weights by name.
+    """
+
+    rows: list[dict[str, Any]]
+    arrays: dict[str, Vector]
+
+    def row(self, label: str) -> dict[str, Any]:
+        """The row of that label.
+
+        Raises:
+            KeyError: If there is none.
+        """
+        for row in self.rows:
+            if row["label"] == label:
+                return row
+        raise KeyError(label)
+
+    def errors(self, name: str = "rms_error_m") -> Vector:
+        """One measure of every run that has it, in order."""
+        return np.array([row[name] for row in self.rows if row.get(name) is not None])
+
+    def weights(self, label: str) -> list[float]:
+        """Weights that a run used, (L,) [m/s^2]."""
+        return [float(value) for value in self.arrays[f"{label}/weights"][0]]
+
+
+class Store:
+    """Finished jobs of one robot in one folder.
+
+    Attributes:
+        folder: The folder.
+    """
+
+    def __init__(self, folder: Path, robot: Robot) -> None:
+        """Open the folder, make it if need be.
+
+        Args:
+            folder: The folder.
+            robot: The robot that the jobs are about.
+
+        Raises:
+            TsdError: If it cannot be written.
+        """
+        self.folder = folder
+        self.robot = robot
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise TsdError(f"cannot write to {folder}: {error}; choose another --out") from error
+
+    def load(self, job: Job) -> Result | None:
+        """The result of a job that was finished with the same arguments."""
+        described = self.folder / f"{job.name}.json"
+        try:
+            document = json.loads(described.read_text())
+            if document["fingerprint"] != job.fingerprint(self.robot):
+                return None
+            with np.load(self.folder / f"{job.name}.npz") as stored:
+                return Result(document["rows"], dict(stored))
+        except (OSError, ValueError, KeyError, BadZipFile):
+            return None  # not done, or half written: do it again
+
+    def save(self, job: Job, outcome: Outcome) -> Result:
+        """Keep an outcome; the description comes last and says that all is there."""
+        np.savez_compressed(self.folder / f"{job.name}.npz", **outcome.arrays)  # type: ignore[arg-type]
+        document = {
+            "fingerprint": job.fingerprint(self.robot),
+            "function": job.function,
+            "arguments": job.arguments,
+            "rows": outcome.rows,
+        }
+        part = self.folder / f"{job.name}.json.part"
+        part.write_text(json.dumps(document))
+        part.rename(self.folder / f"{job.name}.json")
+        return Result(outcome.rows, outcome.arrays)
+
+
+def run_jobs(
+    jobs: Sequence[Job], store: Store, report: Callable[[float, float], None]
+) -> dict[str, Result]:
+    """Do jobs on all cores and keep what they give.
+
+    Args:
+        jobs: The jobs, with unique names.
+        store: Where results are kept.
+        report: Called with (done, total) cost.
+
+    Returns:
+        Results by job name.
+    """
+    results: dict[str, Result] = {}
+    total = sum(job.cost for job in jobs)
+    done = 0.0
+    report(done, total)
+    for job, outcome in _finished(jobs, store.robot):
+        results[job.name] = store.save(job, outcome)
+        done += job.cost
+        report(done, total)
+    return results
+
+
+def _finished(jobs: Sequence[Job], robot: Robot) -> Iterator[tuple[Job, Outcome]]:
+    """Do jobs and hand them over as they end."""
+    yield from _over_network([job for job in jobs if job.over_network], robot)
+    local = [job for job in jobs if not job.over_network]
+    # the longest first, so that no core is left with it at the end
+    local.sort(key=lambda job: -job.cost)
+    if not local:
+        return
+    # one thread per worker: matrices are small, and every core has a worker
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    path = str(robot.path)
+    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
+        futures = {pool.submit(_work, path, job): job for job in local}
+        try:
+            for future in as_completed(futures):
+                yield futures[future], future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _over_network(jobs: Sequence[Job], robot: Robot) -> Iterator[tuple[Job, Outcome]]:
+    if not jobs:
+        return
+    with start_services(robot) as (controller, learner):
+        for job in jobs:
+            yield job, _function(job)(robot, controller, learner=learner, **job.arguments)
+
+
+@lru_cache(maxsize=1)
+def _workplace(path: str) -> tuple[Robot, Controller]:
+    robot = load_robot(path)
+    return robot, compile_controller(robot)
+
+
+def _function(job: Job) -> Callable[..., Outcome]:
+    module, name = job.function.split(":")
+    function: Callable[..., Outcome] = getattr(
+        import_module(f"tsd_clients.reproduction.{module}"), name
+    )
+    return function
+
+
+def _work(path: str, job: Job) -> Outcome:
+    robot, controller = _workplace(path)
+    return _function(job)(robot, controller, **job.arguments)

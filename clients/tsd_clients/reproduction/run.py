@@ -1,0 +1,134 @@
+"""'tsd reproduce': experiments, figures, report and summary."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.progress import console, show_progress
+from tsd_casadi.robot import Robot
+from tsd_clients.reproduction.amplitude_generalisation import AmplitudeGeneralisation
+from tsd_clients.reproduction.bootstrapping import Bootstrapping
+from tsd_clients.reproduction.borrowed import Borrowed
+from tsd_clients.reproduction.center_of_mass import CenterOfMass
+from tsd_clients.reproduction.experiment import Experiment
+from tsd_clients.reproduction.jobs import Result, Store, run_jobs
+from tsd_clients.reproduction.low_gain import LowGain
+from tsd_clients.reproduction.methods import Methods
+from tsd_clients.reproduction.model_errors import ModelErrors
+from tsd_clients.reproduction.parameter_grid import ParameterGrid
+from tsd_clients.reproduction.report import circumstances, save_figures, write_html, write_page
+from tsd_clients.reproduction.stand_in import StandIn
+from tsd_clients.reproduction.stiffness_or_feedforward import StiffnessOrFeedforward
+from tsd_clients.reproduction.stills import Stills, movie
+from tsd_clients.reproduction.tracking import Tracking
+
+EXPERIMENTS: tuple[type[Experiment], ...] = (
+    Tracking,
+    AmplitudeGeneralisation,
+    StandIn,
+    Stills,
+    ModelErrors,
+    Bootstrapping,
+    StiffnessOrFeedforward,
+    Methods,
+    LowGain,
+    ParameterGrid,
+    Borrowed,
+    CenterOfMass,
+)
+
+
+def choose_experiments(figure: int | None, quick: bool) -> list[Experiment]:
+    """The experiments of a figure of the paper, or all.
+
+    Args:
+        figure: Number in the paper; None for all.
+        quick: Take the short form.
+
+    Raises:
+        InvalidValue: If no experiment reproduces that figure.
+    """
+    chosen = [kind(quick) for kind in EXPERIMENTS if figure is None or figure in kind.figures]
+    if not chosen:
+        known = sorted({number for kind in EXPERIMENTS for number in kind.figures})
+        raise InvalidValue("figure", figure, f"one of {', '.join(map(str, known))}")
+    return chosen
+
+
+def reproduce(
+    robot: Robot, out: Path, *, figure: int | None, quick: bool, page: Path | None
+) -> dict[str, Any]:
+    """Run what is not done yet and write the report.
+
+    Args:
+        robot: The robot.
+        out: Folder of data, figures, report and summary.
+        figure: Only this figure of the paper.
+        quick: Take the short form.
+        page: Markdown file to write as well, its figures in a folder beside it.
+
+    Returns:
+        The summary.
+
+    Raises:
+        InvalidValue: If no experiment reproduces that figure.
+        TsdError: If something cannot be written or a service does not start.
+    """
+    start = monotonic()
+    experiments = choose_experiments(figure, quick)
+    store = Store(out / "data", robot)
+    done = run_all(experiments, store)
+    sections = [experiment.report(done) for experiment in experiments]
+    pictures = save_figures(sections, out / "figures")
+    made_with = circumstances(robot, quick, monotonic() - start)
+    write_html(sections, pictures, movie(done, robot), made_with, out / "report.html")
+    if page is not None:
+        folder = page.with_suffix("")
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, picture in pictures.items():
+            (folder / f"{name}.png").write_bytes(picture)
+        write_page(sections, made_with, folder.name, page)
+    summary = {
+        **made_with,
+        "rows": [goal.plain() for section in sections for goal in section.goals],
+    }
+    (out / "summary.json").write_text(json.dumps(summary, indent=2))
+    return summary
+
+
+def run_all(experiments: Sequence[Experiment], store: Store) -> dict[str, Result]:
+    """Run jobs until no experiment can name a new one.
+
+    Args:
+        experiments: The experiments.
+        store: Where results are kept; what is there is not run again.
+
+    Returns:
+        Results by job name.
+    """
+    done: dict[str, Result] = {}
+    stage = 0
+    while True:
+        jobs = [job for experiment in experiments for job in experiment.jobs(done)]
+        pending = {job.name: job for job in jobs if job.name not in done}
+        if not pending:
+            return done
+        for name, job in list(pending.items()):
+            kept = store.load(job)
+            if kept is not None:
+                done[name] = kept
+                del pending[name]
+        if not pending:
+            continue
+        stage += 1
+        # bars are for terminals only; a log should tell as well that work is under way
+        work = sum(job.cost for job in pending.values()) / (os.cpu_count() or 1) / 60
+        console.print(f"stage {stage}: {len(pending)} jobs, at most {work:.0f} minutes or so")
+        with show_progress(f"stage {stage}, {len(pending)} jobs", 1.0) as report:
+            done.update(run_jobs(list(pending.values()), store, report))

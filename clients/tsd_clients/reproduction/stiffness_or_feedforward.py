@@ -1,0 +1,409 @@
+"""Low gain with feedforward against high gain without."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from matplotlib import pyplot as plt
+
+from tsd_clients.reproduction.case import Case
+from tsd_clients.reproduction.drawing import COLOURS, finish
+from tsd_clients.reproduction.experiment import (
+    Done,
+    Experiment,
+    Figure,
+    Section,
+    Table,
+    millimetres,
+)
+from tsd_clients.reproduction.jobs import Job, Result
+
+SOFT = 0.2  # P = 10 where the robot's own is 50
+IMPULSE = 10.0  # N s
+PUSHES = {"down": [0.0, 0.0, -IMPULSE], "sideways": [0.0, IMPULSE, 0.0]}
+NOISE = 1.0  # N m
+WORLDS = {
+    "ideal": Case(laps=4),
+    "stand-in": Case(frequency=0.5, hardware=("all",), laps=5),
+}
+QUICK_WORLDS = {"ideal": Case(frequency=1.0, laps=4)}
+FACTORS = (0.2, 1, 4, 16, 32, 64, 128, 256, 1024, 4096, 16384)
+QUICK_FACTORS = (0.2, 4, 64)
+ITERATIONS = 3
+QUICK_ITERATIONS = 1
+# a contender must not stand at the very edge
+MARGIN = 2.0
+
+
+def stiffness_for(rows: Sequence[dict[str, Any]], error: float) -> float:
+    """The factor on P with a given RMS error, by interpolation in log-log.
+
+    Beyond the sweep its last two stable points are continued.
+
+    Args:
+        rows: Of a sweep, with 'factor', 'rms_error_m' and 'stable'.
+        error: [m].
+    """
+    stable = sorted(
+        (row["factor"], row["rms_error_m"])
+        for row in rows
+        if row["stable"] and row["rms_error_m"] is not None
+    )
+    factors, errors = np.log(np.array(stable)).T
+    # the first interval that ends below the wanted error, or the last one
+    below = np.flatnonzero(errors[1:] <= math.log(error))
+    after = int(below[0]) + 1 if below.size else len(errors) - 1
+    slope = (factors[after] - factors[after - 1]) / (errors[after] - errors[after - 1])
+    return math.exp(factors[after] + slope * (math.log(error) - errors[after]))
+
+
+def highest_stable(rows: Sequence[dict[str, Any]]) -> float:
+    """The largest factor of a sweep that works.
+
+    Args:
+        rows: Of a sweep.
+    """
+    return float(max(row["factor"] for row in rows if row["stable"]))
+
+
+class StiffnessOrFeedforward(Experiment):
+    """The paper's reason for learning: accuracy without stiffness."""
+
+    name = "stiffness"
+
+    @property
+    def _worlds(self) -> dict[str, Case]:
+        return QUICK_WORLDS if self.quick else WORLDS
+
+    @property
+    def _iterations(self) -> int:
+        return QUICK_ITERATIONS if self.quick else ITERATIONS
+
+    def jobs(self, done: Done) -> list[Job]:
+        """Learning and sweeps, then what needs the stiffness that they lead to."""
+        jobs = []
+        for world, case in self._worlds.items():
+            learned = Job(
+                f"stiffness-{world}-learned",
+                "work:learn",
+                {
+                    "case": replace(case.at_stiffness(SOFT), laps=3).plain(),
+                    "rule": "stable",
+                    "iterations": self._iterations,
+                },
+                cost=6 * self._iterations,
+            )
+            without = self._sweep(f"stiffness-{world}-sweep", case, None)
+            jobs += [learned, without]
+            if learned.name not in done or without.name not in done:
+                continue
+            if not self.quick:
+                weights = done[learned.name].weights(f"iteration {self._iterations}")
+                jobs.append(self._sweep(f"stiffness-{world}-sweep-learned", case, weights))
+            for name, (factor, given) in self._contenders(done, world).items():
+                arguments = {
+                    "case": case.plain(),
+                    "factor": factor,
+                    "weights": given,
+                    "pushes": PUSHES,
+                    "noise": None if self.quick else NOISE,
+                }
+                job_name = f"stiffness-{world}-{name.replace(' ', '_')}"
+                jobs.append(Job(job_name, "stiffness_runs:disturb", arguments, cost=20))
+        return jobs
+
+    def _sweep(self, name: str, case: Case, weights: list[float] | None) -> Job:
+        arguments = {
+            "case": replace(case, laps=2).plain(),
+            "factors": list(QUICK_FACTORS if self.quick else FACTORS),
+            "weights": weights,
+            "bisect": 0 if self.quick else 3,
+        }
+        return Job(name, "stiffness_runs:sweep", arguments, cost=6 if self.quick else 50)
+
+    def _contenders(self, done: Done, world: str) -> dict[str, tuple[float, list[float] | None]]:
+        """Factor on P and weights of who is pushed."""
+        iteration, stiff = self._match(done, world)
+        weights = done[f"stiffness-{world}-learned"].weights(f"iteration {iteration}")
+        contenders: dict[str, tuple[float, list[float] | None]] = {
+            "soft learned": (SOFT, weights),
+            "stiff none": (stiff, None),
+        }
+        if not self.quick:
+            contenders["own learned"] = (1.0, weights)
+        return contenders
+
+    def _match(self, done: Done, world: str) -> tuple[int, float]:
+        """The most accurate iteration that stiffness alone can equal, and the factor for it.
+
+        If it can equal none, the first and half of what the robot stands.
+        """
+        rows = done[f"stiffness-{world}-sweep"].rows
+        bound = highest_stable(rows) / MARGIN
+        errors = done[f"stiffness-{world}-learned"].errors()[1:]
+        factors = [stiffness_for(rows, float(error)) for error in errors]
+        matches = [(each, index) for index, each in enumerate(factors, 1) if each <= bound]
+        factor, iteration = max(matches, default=(bound, 1))
+        return iteration, factor
+
+    def report(self, done: Done) -> Section:
+        """Equal errors, then pushes and noise, then the highest stiffness."""
+        found = []
+        matched, winners, limits = [], [], []
+        for world in self._worlds:
+            own = _own_stiffness(done[f"stiffness-{world}-learned"])
+            rows = done[f"stiffness-{world}-sweep"].rows
+            limit = highest_stable(rows)
+            for index, error in enumerate(done[f"stiffness-{world}-learned"].errors()):
+                if index:
+                    factor = stiffness_for(rows, float(error))
+                    reached = "yes" if factor <= limit else "no"
+                    matched.append(
+                        [
+                            world,
+                            str(index),
+                            f"{1e3 * error:.2g}",
+                            f"{own * factor:.3g}",
+                            f"{factor / SOFT:.2g}",
+                            reached if self._bounded(rows) else f"{reached} (sweep ended)",
+                        ]
+                    )
+            results = self._disturbed(done, world)
+            for name, (factor, _) in self._contenders(done, world).items():
+                winners.append(
+                    [world, f"{_words(name)}, P = {own * factor:.3g}", *_cells(results[name])]
+                )
+            found += self._sentences(world, results, own * self._match(done, world)[1])
+            limits += self._limits(done, world, own)
+        found += self._same_limit(done)
+        found.append(
+            "To hold its place against a push takes stiffness; feedforward gives accuracy "
+            "without it and leaves the robot as compliant as the low gain makes it. What counts "
+            "as winning in the columns on deflection is therefore a matter of the task."
+        )
+        return Section(
+            title="Low gain with feedforward or high gain without",
+            claim="Feedforward gives the accuracy of a stiff robot to a soft one. The same error "
+            "can be had both ways: what do the two do when they are pushed?",
+            found=found,
+            tables=[
+                Table(
+                    f"P without feedforward for the error of P = {own * SOFT:.3g} with it",
+                    ["world", "iterations", "RMS error [mm]", "P needed", "times", "stable there"],
+                    matched,
+                ),
+                Table(
+                    f"{IMPULSE:g} N s on the base within 0.1 s, and {NOISE:g} N m of noise on "
+                    "every joint; deflection [mm] and time until it stays below 1 mm [s]",
+                    ["world", "who", "RMS error", *PUSH_HEAD, *NOISE_HEAD],
+                    winners,
+                ),
+                Table(
+                    "Stiffer until the robot falls or the QP fails",
+                    ["world", "feedforward", "highest P that works", "chatter there [%]"],
+                    limits,
+                ),
+                Table(
+                    "Who wins where (soft: P = "
+                    f"{own * SOFT:.3g} with feedforward; stiff: equal error or half the limit)",
+                    ["world", *VERDICTS],
+                    [[world, *self._verdicts(done, world)] for world in self._worlds],
+                ),
+            ],
+            figures=[
+                Figure(
+                    "stiffness_pushed",
+                    f"Deflection after {IMPULSE:g} N s, against the same run without it.",
+                    lambda: self._draw(done),
+                )
+            ],
+        )
+
+    def _disturbed(self, done: Done, world: str) -> dict[str, Result]:
+        return {
+            name: done[f"stiffness-{world}-{name.replace(' ', '_')}"]
+            for name in self._contenders(done, world)
+        }
+
+    def _bounded(self, rows: Sequence[dict[str, Any]]) -> bool:
+        return any(not row["stable"] for row in rows)
+
+    def _limits(self, done: Done, world: str, own: float) -> list[list[str]]:
+        sweeps = {"none": f"stiffness-{world}-sweep"}
+        if not self.quick:
+            sweeps["learned"] = f"stiffness-{world}-sweep-learned"
+        rows = []
+        for feedforward, name in sweeps.items():
+            swept = done[name].rows
+            limit = highest_stable(swept)
+            chatter = next(row["chatter"] for row in swept if row["factor"] == limit)
+            more = "" if self._bounded(swept) else "above "
+            rows.append([world, feedforward, f"{more}{own * limit:.3g}", f"{100 * chatter:.2g}"])
+        return rows
+
+    def _sentences(self, world: str, results: dict[str, Result], stiff: float) -> list[str]:
+        low, high = (
+            results[name].row("down")["peak_deflection_m"]
+            for name in ("soft learned", "stiff none")
+        )
+        soft = "falls" if low is None else f"gives way by {1e3 * low:.1f} mm"
+        hard = "falls" if high is None else f"by {1e3 * high:.2f} mm"
+        shares = [
+            results[name].row("down")["peak_torque_share"]
+            for name in ("soft learned", "stiff none")
+        ]
+        return [
+            f"{world}: pushed down, the soft robot with feedforward {soft}, the stiff one without "
+            f"(P = {stiff:.3g}) {hard}; the largest torques are {100 * shares[0]:.0f} % and "
+            f"{100 * shares[1]:.0f} % of what a motor can give.",
+            *self._shaken(world, results),
+        ]
+
+    def _shaken(self, world: str, results: dict[str, Result]) -> list[str]:
+        if self.quick:
+            return []
+        soft, stiff = (
+            results[name].row("noise")["added_torque_rms_nm"]
+            for name in ("soft learned", "stiff none")
+        )
+        if soft is None or stiff is None:
+            return [f"{world}: with {NOISE:g} N m of noise on the joints not both stay up."]
+        return [
+            f"{world}: to {NOISE:g} N m of noise on the joints the soft one answers with "
+            f"{soft:.2f} N m RMS, the stiff one with {stiff:.2f} N m."
+        ]
+
+    def _same_limit(self, done: Done) -> list[str]:
+        if self.quick:
+            return []
+        ratios = [
+            highest_stable(done[f"stiffness-{world}-sweep-learned"].rows)
+            / highest_stable(done[f"stiffness-{world}-sweep"].rows)
+            for world in self._worlds
+        ]
+        listed = ", ".join(
+            f"{ratio:.2g} ({world})" for world, ratio in zip(self._worlds, ratios, strict=True)
+        )
+        return [
+            "Feedforward is no feedback and should not change how stiff the robot can be made: "
+            f"highest P with it by highest P without it is {listed}. A tick whose QP has no "
+            "solution counts as not working, even if the robot stays up."
+        ]
+
+    def _verdicts(self, done: Done, world: str) -> list[str]:
+        results = self._disturbed(done, world)
+        soft, stiff = results["soft learned"], results["stiff none"]
+        measures = [
+            ("undisturbed", "rms_error_m"),
+            ("down", "peak_deflection_m"),
+            ("down", "recovery_s"),
+            ("sideways", "peak_deflection_m"),
+            ("down", "peak_ground_force_n"),
+            ("down", "peak_torque_share"),
+        ]
+        if not self.quick:
+            measures += [("noise", "added_rms_m"), ("noise", "added_torque_rms_nm")]
+        verdicts = [
+            _winner(soft.row(label).get(measure), stiff.row(label).get(measure))
+            for label, measure in measures
+        ]
+        return verdicts + ["–"] * (len(VERDICTS) - len(verdicts))
+
+    def _draw(self, done: Done) -> Any:
+        worlds = list(self._worlds)
+        figure, panels = plt.subplots(
+            len(worlds), len(PUSHES), figsize=(9, 3 * len(worlds)), squeeze=False
+        )
+        for row, world in zip(panels, worlds, strict=True):
+            for axes, (push, impulse) in zip(row, PUSHES.items(), strict=True):
+                direction = np.array(impulse) / IMPULSE
+                for colour, (name, result) in zip(
+                    COLOURS, self._disturbed(done, world).items(), strict=False
+                ):
+                    along = result.arrays[f"{push}/deflection"] @ direction
+                    axes.plot(
+                        result.arrays[f"{push}/time"], 1e3 * along, color=colour, label=_words(name)
+                    )
+                axes.set(title=f"{world}, {push}", xlabel="time since the push [s]", xlim=(0, 3))
+                axes.grid(alpha=0.3)
+            row[0].set_ylabel("deflection [mm]")
+        panels[0, 0].legend(fontsize=8)
+        return finish(figure)
+
+
+PUSH_HEAD = (
+    "down: peak",
+    "recovery",
+    "ground [N]",
+    "torque [%]",
+    "sideways: peak",
+    "recovery",
+    "torque [%]",
+)
+NOISE_HEAD = ("noise: added [mm]", "added torque [N m]")
+VERDICTS = (
+    "tracking",
+    "down: peak",
+    "recovery",
+    "sideways: peak",
+    "ground force",
+    "torque",
+    "noise: motion",
+    "noise: torque",
+)
+
+
+def _words(name: str) -> str:
+    return {
+        "soft learned": "soft, feedforward",
+        "stiff none": "stiff, none",
+        "own learned": "robot's own P, feedforward",
+    }[name]
+
+
+def _own_stiffness(learned: Result) -> float:
+    """P of the robot file, from a run at a known share of it."""
+    row = learned.rows[0]
+    return float(row["gains"]["P"][-1]) / SOFT
+
+
+def _cells(result: Result) -> list[str]:
+    cells = [f"{1e3 * result.row('undisturbed')['rms_error_m']:.2g}"]
+    for push, ground in (("down", True), ("sideways", False)):
+        row = result.row(push)
+        cells.append("fell" if row["fell"] else millimetres(row["peak_deflection_m"], 2))
+        cells.append(_recovery(result, push))
+        if ground:
+            cells.append(f"{row['peak_ground_force_n']:.0f}")
+        cells.append(f"{100 * row['peak_torque_share']:.0f}")
+    for row in result.rows:
+        if row["label"] == "noise":
+            torque = row["added_torque_rms_nm"]
+            cells.append(millimetres(row["added_rms_m"]))
+            return [*cells, "fell" if torque is None else f"{torque:.2f}"]
+    return [*cells, "–", "–"]
+
+
+def _recovery(result: Result, push: str) -> str:
+    row = result.row(push)
+    if row["fell"]:
+        return "–"
+    if row["recovery_s"] is not None:
+        return f"{row['recovery_s']:.2f}"
+    along = result.arrays[f"{push}/deflection"] @ (np.array(PUSHES[push]) / IMPULSE)
+    return f"not: {1e3 * float(along[-1]):.1f} mm left"
+
+
+def _winner(soft: float | None, stiff: float | None) -> str:
+    """Who has less of what nobody wants; nothing measured is a loss."""
+    if soft is None or stiff is None:
+        return {(True, False): "stiff", (False, True): "soft"}.get(
+            (soft is None, stiff is None), "neither"
+        )
+    if math.isclose(soft, stiff, rel_tol=0.1):
+        return "equal"
+    return "soft" if soft < stiff else "stiff"

@@ -1,0 +1,46 @@
+"""The functions that jobs name; called in worker processes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.robot import Robot
+from tsd_clients.learning import Learner
+from tsd_clients.reproduction.case import Case, Outcome, learn_case, replay_case
+
+
+def learn(
+    robot: Robot,
+    controller: WholeBodyController,
+    case: dict[str, Any],
+    learner: Learner | None = None,
+    **options: Any,
+) -> Outcome:
+    """See ``learn_case``; case as plain data."""
+    transport = "local" if learner is None else "zenoh"
+    return learn_case(
+        Case.of(case), robot, controller, learner=learner, transport=transport, **options
+    )
+
+
+def replay(
+    robot: Robot,
+    controller: WholeBodyController,
+    case: dict[str, Any],
+    weights: list[float] | None = None,
+    kind: Any = "none",
+    learner: Learner | None = None,
+    **options: Any,
+) -> Outcome:
+    """See ``replay_case``; case as plain data."""
+    transport = "local" if learner is None else "zenoh"
+    return replay_case(
+        Case.of(case),
+        robot,
+        controller,
+        weights=weights,
+        kind=kind,
+        transport=transport,
+        **options,
+    )
