@@ -1,7 +1,9 @@
 from __future__ import annotations
 
+import json
 import shutil
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,8 @@ import yaml
 from hypothesis import settings
 
 from tsd_casadi import Controller, InverseDynamics, Robot, compile_controller, load_robot
+from tsd_clients.reproduction.experiment import Experiment
+from tsd_clients.reproduction.jobs import Result
 
 settings.register_profile("tsd", deadline=None, derandomize=True, database=None)
 settings.load_profile("tsd")
@@ -50,3 +54,25 @@ def write_robot(robot: Robot, tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return write
+
+
+@pytest.fixture(scope="session")
+def finish_experiment(
+    robot: Robot, controller: Controller
+) -> Callable[[Experiment], dict[str, Result]]:
+    """Does an experiment's jobs in this process, stage by stage."""
+
+    def finish(experiment: Experiment) -> dict[str, Result]:
+        done: dict[str, Result] = {}
+        while jobs := [job for job in experiment.jobs(done) if job.name not in done]:
+            for job in jobs:
+                module, name = job.function.split(":")
+                function = getattr(import_module(f"tsd_clients.reproduction.{module}"), name)
+                # as if it came from a file
+                plain = json.loads(json.dumps(job.arguments))
+                outcome = function(robot, controller, **plain)
+                rows = json.loads(json.dumps(outcome.rows, allow_nan=False))
+                done[job.name] = Result(rows, outcome.arrays)
+        return done
+
+    return finish

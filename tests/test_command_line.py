@@ -117,6 +117,48 @@ def test_the_path_of_the_readme(connect: list[str], tmp_path: Path) -> None:
     assert "amplitude 0.01 m" in forgotten.stdout
 
 
+def test_auto_goes_where_the_learner_knows_least(connect: list[str], tmp_path: Path) -> None:
+    target = tmp_path / "places.json"
+    arguments = ("--region", "amplitude=0.01:0.02", "--height", "-0.01", *SHORT[2:])
+    arguments += ("--model-error", "0.1")
+    done = tsd_command("learn", "squat", "--auto", "3", *arguments, "--json", str(target), *connect)
+    assert done.returncode == 0, done.stderr
+    result = json.loads(target.read_text())
+    places = [place["parameters"] for place in result["places"]]
+    assert {(place["frequency"], place["height"]) for place in places} == {(1.0, -0.01)}
+    # the middle, then the ends
+    assert places[0]["amplitude"] == 0.015
+    assert {place["amplitude"] for place in places[1:]} == {0.01, 0.02}
+    # nothing known of this height, then one entry, then two
+    known = [place["standard_deviation"] is not None for place in result["places"]]
+    assert known == [False, False, True]
+    assert [len(place["rms_errors_m"]) for place in result["places"]] == [2, 2, 2]
+    assert len(result["runs"]) == 6
+    assert "amplitude 0.015 m, frequency 1 Hz, height -0.01 m" in done.stdout
+
+
+def test_stable_learning_stops_by_itself_and_says_what_it_did(
+    connect: list[str], tmp_path: Path
+) -> None:
+    target = tmp_path / "stable.json"
+    arguments = ["--amplitude", "0.012", *SHORT[2:], "--model-error", "0.1", "--rule", "stable"]
+    arguments += ["--iterations", "9", "--patience", "1", "--first", "generalised", "--restart"]
+    arguments += ["--height", "0.01"]
+    done = tsd_command("learn", "squat", *arguments, "--json", str(target), *connect)
+    assert done.returncode == 0, done.stderr
+    result = json.loads(target.read_text())
+    # from what other tests have learned, if they ran before
+    starts_from = result["runs"][0]["feedforward"]
+    assert starts_from == "generalised" or "nothing to generalise from yet" in done.stderr
+    assert 3 <= len(result["runs"]) < 10
+    (account,) = result["contractions"]
+    assert account["parameters"] == {"amplitude": 0.012, "frequency": 1.0, "height": 0.01}
+    assert account["axis"] == "com.z"
+    assert account["plain"][5] > 0.9 > account["predicted"][5]
+    assert "predicted" in done.stdout
+    assert f"{account['plain'][5]:.2f}" in done.stdout
+
+
 def test_local_and_remote_controller_give_the_same_run(connect: list[str]) -> None:
     runs = []
     for choice in ("zenoh", "local"):
@@ -138,6 +180,38 @@ def test_local_and_remote_controller_give_the_same_run(connect: list[str]) -> No
         runs.append(json.loads(done.stdout))
     for name in ("rms_error_m", "peak_error_m", "true_rms_error_m", "mean_abs_feedback", "ticks"):
         assert runs[0][name] == runs[1][name], name
+
+
+def test_options_of_the_simulated_robot_reach_the_run(controller: tsd.Controller) -> None:
+    done = tsd_command(
+        "simulate",
+        "squat",
+        *SHORT,
+        "--controller",
+        "local",
+        "--height",
+        "0.03",
+        "--d-scale",
+        "1.5",
+        "--link-error",
+        "0.05",
+        "--link-seed",
+        "7",
+        "--hardware",
+        "lag, friction",
+        "--json",
+        "-",
+    )
+    assert done.returncode == 0, done.stderr
+    run = json.loads(done.stdout)
+    assert run["hardware"] == ["friction", "lag"]
+    assert (run["model_error"], run["link_error"], run["link_error_seed"]) == (0.0, 0.05, 7)
+    assert (run["p_scale"], run["d_scale"]) == (1.0, 1.5)
+    default = controller.command()
+    assert run["gains"]["P"] == default["com.P"].tolist()
+    assert run["gains"]["D"] == pytest.approx((1.5 * default["com.D"]).tolist())
+    assert run["steady"]
+    assert run["label"].endswith("hardware")
 
 
 def test_log_has_every_tick(connect: list[str], tmp_path: Path) -> None:
@@ -168,7 +242,18 @@ def test_amplitude_of_five_asks_for_metres() -> None:
         (("simulate", "jump"), ("'jump'", "'squat'")),
         (("simulate", "squat", "--frequency", "9"), ("frequency is 9", "0.05 to 1 Hz")),
         (("simulate", "squat", "--model-error", "-1"), ("model error", "0.1 is 10 %")),
+        (("simulate", "squat", "--hardware", "rust"), ("hardware is rust", "friction", "all")),
+        (("simulate", "squat", "--hardware", "lag,rust"), ("hardware is rust,", "flat_feet")),
+        (("learn", "squat", "--hardware", "lag;noise"), ("hardware is lag;noise", "flat_feet")),
+        (("simulate", "squat", "--link-error", "1"), ("model error", "0.1 is 10 %")),
+        (("simulate", "squat", "--height", "0.5"), ("height is 0.5", "-0.05 to 0.06 m")),
+        (("query", "squat", "--amplitude", "0.03", "--height", "5"), ("height is 5",)),
+        (("simulate", "squat", "--d-scale", "0", "--controller", "local"), ("d scale is 0",)),
+        (("simulate", "squat", "--p-scale", "-1", "--controller", "local"), ("p scale is -1",)),
         (("learn", "squat", "--iterations", "0"), ("iterations is 0",)),
+        (("learn", "squat", "--region", "amplitude"), ("--region", "--auto")),
+        (("learn", "squat", "--auto", "2", "--region", "depth=0:1"), ("depth", "0.02:0.08")),
+        (("learn", "squat", "--auto", "2", "--region", "amplitude=0:1"), ("amplitude", "0.08")),
         (("controller", "--listen", "127.0.0.1"), ("endpoint", "tcp/127.0.0.1:7447")),
         (("controller", "--robot", "nobody.yaml"), ("no robot 'nobody.yaml'",)),
         (("database", "list", "--connect", "somewhere"), ("endpoint", "PROTOCOL/ADDRESS:PORT")),
@@ -269,7 +354,12 @@ def test_help_of_every_command_teaches() -> None:
         "--laps",
         "--feedforward",
         "--p-scale",
+        "--d-scale",
+        "--height",
         "--model-error",
+        "--link-error",
+        "--link-seed",
+        "--hardware",
         "--controller",
         "--connect",
         "--seed",

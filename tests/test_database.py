@@ -20,12 +20,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import tsd_casadi.database
-from tsd_casadi.database import APPLICATION_ID, SCHEMA_VERSION, Database
+from tsd_casadi.database import Database
+from tsd_casadi.database_schema import APPLICATION_ID, SCHEMA, SCHEMA_VERSION
 from tsd_casadi.entry import Entry
 from tsd_casadi.exceptions import (
     DatabaseError,
     EntryNotFound,
     IncompatibleEntry,
+    InvalidValue,
     OutsideTrainedRange,
     TsdError,
 )
@@ -38,6 +40,9 @@ BASIS = PeriodicBasis()
 CONTEXT = Context("00ff", "abcd", {"P": [50.0], "D": [14.0]}, "0.1.0")
 PHASE = np.pi + np.linspace(0, 2 * np.pi, 100, endpoint=False)
 AMPLITUDES = (0.02, 0.04, 0.06, 0.08)
+SQUAT = {"amplitude": 0.03, "frequency": 0.25}
+# what a test leaves in its iteration besides errors and gains
+FITTED = ("feedback", "error_weights", "reference_weights")
 
 
 def recording(
@@ -49,8 +54,9 @@ def recording(
     error: float = 1e-3,
     **changes: Any,
 ) -> Recording:
-    """A repetition without feedforward; what it needed grows with the amplitude."""
+    """A repetition without feedforward; what it needed grows with amplitude and frequency."""
     feedback = 0.7 + 30 * amplitude**2 + amplitude * np.sin(PHASE)
+    feedback = feedback + 0.2 * frequency**2 * np.cos(PHASE)
     made = Recording(
         key=TaskKey.of(robot, "squat", axes, {"amplitude": amplitude, "frequency": frequency}),
         basis=BASIS,
@@ -69,7 +75,13 @@ def assert_same(one: Entry, other: Entry) -> None:
     assert len(one.iterations) == len(other.iterations)
     for a, b in zip(one.iterations, other.iterations, strict=True):
         assert (a.number, a.errors) == (b.number, b.errors)
+        assert a.learned_from == b.learned_from
         np.testing.assert_array_equal(a.weights, b.weights)
+        for name in FITTED:
+            fitted, expected = getattr(a, name), getattr(b, name)
+            assert (fitted is None) == (expected is None)
+            if fitted is not None:
+                np.testing.assert_array_equal(fitted, expected)
 
 
 @pytest.fixture
@@ -156,7 +168,7 @@ def test_any_entry_comes_back_bit_for_bit(
             data.draw(NAMES, "robot"),
             data.draw(NAMES, "task"),
             axes,
-            data.draw(st.dictionaries(NAMES, st.floats(-1e6, 1e6), max_size=3), "parameters"),
+            data.draw(st.dictionaries(NAMES, st.floats(-1e5, 1e5), max_size=3), "parameters"),
         ),
         basis=PeriodicBasis(size, data.draw(st.floats(0.1, 1e5), "width")),
         applied=applied,
@@ -205,7 +217,7 @@ def test_parameters_are_the_same_to_1e_6(database: Database) -> None:
     database.record(recording(0.03))
     database.record(recording(0.03 + 4e-7, error=0.5e-3))
     (entry,) = database.entries()
-    assert entry.key.parameters == (("amplitude", 0.03), ("frequency", 0.25))
+    assert entry.key.parameters == (("amplitude", 0.03), ("frequency", 0.25), ("height", 0.0))
     assert database.query("squat", amplitude=0.03 - 4e-7, frequency=0.25).kind == "learned"
     database.record(recording(0.030002))
     assert len(database.entries()) == 2
@@ -294,7 +306,7 @@ def test_the_file_is_plain_numbers_for_any_tool(path: Path, database: Database) 
         ((weights,),) = plain.execute("SELECT weights FROM iteration WHERE number = 1").fetchall()
         ((parameters,),) = plain.execute("SELECT parameters FROM entry").fetchall()
     np.testing.assert_array_equal(json.loads(weights), entry.served.weights)
-    assert json.loads(parameters) == {"amplitude": 0.03, "frequency": 0.25}
+    assert json.loads(parameters) == {"amplitude": 0.03, "frequency": 0.25, "height": 0.0}
     assert b"pickle" not in path.read_bytes()
 
 
@@ -321,33 +333,42 @@ def test_learned_fails_without_the_exact_entry(
 def test_without_an_exact_entry_the_answer_is_generalised(trained: Database) -> None:
     feedforward = trained.query("squat", amplitude=0.05, frequency=0.25)
     assert feedforward.kind == "generalised"
-    assert feedforward.parameters == {"amplitude": 0.05, "frequency": 0.25}
+    assert feedforward.parameters == {"amplitude": 0.05, "frequency": 0.25, "height": 0.0}
     assert (feedforward.std(PHASE) > 0).all()
 
 
-def test_generalised_is_the_regression_over_the_same_frequency(trained: Database) -> None:
-    entries = [e for e in trained.entries() if dict(e.key.parameters)["frequency"] == 0.25]
-    expected = WeightRegression(
-        "amplitude", "m", AMPLITUDES, [entry.served.weights for entry in entries]
-    ).predict(0.05)
-    feedforward = trained.query("squat", amplitude=0.05, frequency=0.25)
-    np.testing.assert_allclose(feedforward.weights, expected[0], atol=1e-12)
-    np.testing.assert_allclose(feedforward.standard_deviations, expected[1], atol=1e-12)
-    assert feedforward.provenance["entries"] == [1, 2, 3, 4]
-    assert feedforward.provenance["amplitudes"] == list(AMPLITUDES)
+def regression_over(entries: list[Entry], *names: str) -> WeightRegression:
+    inputs = np.array([[dict(entry.key.parameters)[name] for name in names] for entry in entries])
+    return WeightRegression("squat", names, inputs, [e.served.weights for e in entries], BASIS)
+
+
+def test_generalised_is_the_regression_over_what_differs(trained: Database) -> None:
+    wanted = {"amplitude": 0.05, "frequency": 0.3}
+    mean, std = regression_over(trained.entries(), "amplitude", "frequency").predict(wanted)
+    feedforward = trained.query("squat", **wanted)
+    np.testing.assert_allclose(feedforward.weights, mean, atol=1e-12)
+    np.testing.assert_allclose(feedforward.standard_deviations, std, atol=1e-12)
+    assert feedforward.provenance["entries"] == [1, 2, 3, 4, 5]
+    assert feedforward.provenance["parameters"] == [
+        {"amplitude": amplitude, "frequency": frequency, "height": 0.0}
+        for amplitude, frequency in [*((a, 0.25) for a in AMPLITUDES), (0.05, 0.5)]
+    ]
+    assert feedforward.provenance["length_scales"].keys() == {"amplitude", "frequency"}
+    assert len(feedforward.provenance["calibration"]["residuals"]) == 5
 
 
 def test_generalised_excludes_the_exact_entry(trained: Database) -> None:
     found = trained.query("squat", kind="generalised", amplitude=0.04, frequency=0.25)
     assert found.kind == "generalised"
-    assert found.provenance["entries"] == [1, 3, 4]
-    served = {e.identifier: e.served.weights for e in trained.entries()}
-    mean, std = WeightRegression(
-        "amplitude", "m", (0.02, 0.06, 0.08), [served[1], served[3], served[4]]
-    ).predict(0.04)
+    assert found.provenance["entries"] == [1, 3, 4, 5]
+    entries = {entry.identifier: entry for entry in trained.entries()}
+    used = [entries[number] for number in (1, 3, 4, 5)]
+    mean, std = regression_over(used, "amplitude", "frequency").predict(
+        {"amplitude": 0.04, "frequency": 0.25}
+    )
     np.testing.assert_allclose(found.weights, mean, atol=1e-12)
     np.testing.assert_allclose(found.standard_deviations, std, atol=1e-12)
-    assert np.abs(found.weights - served[2]).max() > 1e-9
+    assert np.abs(found.weights - entries[2].served.weights).max() > 1e-9
 
 
 def test_generalised_at_the_end_of_the_range_would_be_an_extrapolation(trained: Database) -> None:
@@ -378,11 +399,90 @@ def test_an_empty_database_says_so(database: Database, kind: str | None) -> None
         database.query("squat", kind=kind, amplitude=0.03, frequency=0.25)
 
 
-def test_other_frequencies_are_not_generalised_from(database: Database) -> None:
+def test_what_no_entry_varies_cannot_be_generalised_over(database: Database) -> None:
     for amplitude in (0.02, 0.04):
         database.record(recording(amplitude, 0.5))
-    with pytest.raises(EntryNotFound, match="other amplitudes at this frequency"):
-        database.query("squat", amplitude=0.03, frequency=0.25)
+    with pytest.raises(EntryNotFound, match=r"frequency 0\.5 Hz, none.*to 0\.25 Hz"):
+        database.query("squat", amplitude=0.03, frequency=0.25, extrapolate=True)
+    with pytest.raises(EntryNotFound, match=r"height 0 m, none.*to -0\.01 m"):
+        database.query("squat", amplitude=0.03, frequency=0.5, height=-0.01)
+    assert database.query("squat", amplitude=0.03, frequency=0.5).kind == "generalised"
+
+
+def test_each_parameter_has_a_range_of_its_own(trained: Database) -> None:
+    with pytest.raises(OutsideTrainedRange, match=r"0\.25 to 0\.5 Hz") as caught:
+        trained.query("squat", amplitude=0.05, frequency=0.6)
+    assert caught.value.parameter == "frequency"
+    found = trained.query("squat", amplitude=0.05, frequency=0.6, extrapolate=True)
+    assert np.isfinite(found.weights).all()
+
+
+def test_too_few_entries_for_so_many_parameters_are_refused(database: Database) -> None:
+    database.record(recording(0.02, 0.25))
+    database.record(recording(0.04, 0.5))
+    with pytest.raises(EntryNotFound, match="amplitude and frequency needs at least 3"):
+        database.query("squat", amplitude=0.03, frequency=0.3)
+
+
+def test_height_is_zero_where_nothing_is_said(database: Database) -> None:
+    database.record(recording())
+    squat = {"amplitude": 0.03, "frequency": 0.25, "height": 0.0}
+    key = TaskKey.of("hermes_lower", "squat", ("com.z",), squat)
+    (entry,) = database.entries()
+    assert entry.key == key
+    database.record(recording(key=key, applied=entry.served.weights, error=0.5e-3))
+    assert len(database.entries()) == 1
+    for height in ({}, {"height": 0.0}, {"height": -0.0}):
+        found = database.query("squat", amplitude=0.03, frequency=0.25, **height)
+        assert (found.kind, found.iteration) == ("learned", 2)
+
+
+def test_squats_below_home_are_other_entries_to_generalise_over(database: Database) -> None:
+    for height in (-0.02, 0.0, 0.02):
+        key = TaskKey.of("hermes_lower", "squat", ("com.z",), {**SQUAT, "height": height})
+        database.record(recording(key=key))
+    assert len(database.entries()) == 3
+    between = database.query("squat", **SQUAT, height=-0.01)
+    assert between.kind == "generalised"
+    assert between.provenance["length_scales"].keys() == {"height"}
+    with pytest.raises(OutsideTrainedRange, match=r"height -0\.03 m.*-0\.02 to 0\.02 m"):
+        database.query("squat", **SQUAT, height=-0.03)
+
+
+@pytest.mark.parametrize(
+    ("changes", "named"),
+    [
+        ({"amplitude": 0.0}, "amplitude is 0.0"),
+        ({"frequency": -0.25}, "frequency is -0.25"),
+        ({"frequency": float("nan")}, "frequency is nan"),
+        ({"height": float("inf")}, "height is inf"),
+        ({"colour": 1.0}, "'colour'"),
+    ],
+)
+def test_parameters_that_make_no_sense_are_refused(
+    database: Database, changes: dict[str, float], named: str
+) -> None:
+    parameters = {**SQUAT, **changes}
+    key = replace(recording().key, parameters=tuple(parameters.items()))
+    with pytest.raises(InvalidValue, match=named):
+        database.record(recording(key=key))
+    with pytest.raises(InvalidValue, match=named):
+        database.query("squat", **parameters)
+    assert database.entries() == []
+
+
+def test_a_recording_without_frequency_is_refused(database: Database) -> None:
+    key = replace(recording().key, parameters=(("amplitude", 0.03),))
+    with pytest.raises(InvalidValue, match="without frequency"):
+        database.record(recording(key=key))
+
+
+def test_motions_of_somebodys_own_have_parameters_as_they_come(database: Database) -> None:
+    for depth in (1.0, 2.0):
+        key = TaskKey.of("hermes_lower", "bow", ("com.z",), {"depth": depth})
+        database.record(recording(key=key))
+    assert database.query("bow", depth=1.0).kind == "learned"
+    assert database.query("bow", depth=1.5).kind == "generalised"
 
 
 def test_entries_that_learned_nothing_are_not_generalised_from(database: Database) -> None:
@@ -391,7 +491,7 @@ def test_entries_that_learned_nothing_are_not_generalised_from(database: Databas
     worse, _ = database.record(recording(0.04, error=1e-3))
     database.record(recording(0.04, applied=worse.served.weights, error=2e-3))
     found = database.query("squat", amplitude=0.05, frequency=0.25)
-    assert found.provenance["amplitudes"] == [0.02, 0.06]
+    assert found.provenance["entries"] == [1, 2]
 
 
 def test_generalised_follows_the_database(database: Database) -> None:
@@ -400,7 +500,7 @@ def test_generalised_follows_the_database(database: Database) -> None:
     before = database.query("squat", amplitude=0.05, frequency=0.25)
     database.record(recording(0.04))
     after = database.query("squat", amplitude=0.05, frequency=0.25)
-    assert after.provenance["amplitudes"] == [0.02, 0.06, 0.04]
+    assert after.provenance["entries"] == [1, 2, 3]
     assert np.abs(after.weights - before.weights).max() > 1e-9
     database.forget(3)
     again = database.query("squat", amplitude=0.05, frequency=0.25)
@@ -512,7 +612,7 @@ def test_a_file_that_is_not_ours_is_refused_and_left_as_it_was(path: Path, kind:
 
 def test_a_newer_schema_is_named(path: Path) -> None:
     _newer_schema(path)
-    with pytest.raises(DatabaseError, match=r"schema version 2, this software knows 1"):
+    with pytest.raises(DatabaseError, match=r"schema version 4, this software knows 1 to 3"):
         Database(path)
 
 
@@ -702,7 +802,7 @@ def test_two_processes_may_make_the_same_new_database(path: Path) -> None:
     with closing(sqlite3.connect(path, isolation_level=None)) as other:
         # the other process is in the middle of making the tables
         other.execute("BEGIN IMMEDIATE")
-        for statement in tsd_casadi.database.SCHEMA.split(";")[:-1]:
+        for statement in SCHEMA.split(";")[:-1]:
             other.execute(statement)
         other.execute(f"PRAGMA application_id = {APPLICATION_ID}")
         other.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
@@ -770,3 +870,270 @@ def test_after_a_restart_with_other_axes_the_new_entry_is_served(database: Datab
     database.record(recording(axes=("com.z",)))
     database.record(recording(axes=("body.z",), restart=True))
     assert database.query("squat", amplitude=0.03, frequency=0.25).axes == ("body.z",)
+
+
+# files of version 1
+
+
+def make_version_1(path: Path) -> None:
+    """A file as this software's version 0.1 left it: two squats and a motion of somebody's own."""
+    context = {"formulation": "00ff", "model": "ab", "gains": {"P": [50.0]}, "version": "0.1.0"}
+    with closing(sqlite3.connect(path, isolation_level=None)) as old:
+        old.executescript(SCHEMA_1)
+        for number, (task, parameters) in enumerate(
+            [
+                ("squat", {"amplitude": 0.02, "frequency": 0.25}),
+                ("squat", {"amplitude": 0.06, "frequency": 0.25}),
+                ("bow", {"depth": 1.0}),
+            ],
+            start=1,
+        ):
+            old.execute(
+                "INSERT INTO entry VALUES (?, 'hermes_lower', ?, ?, ?, 2, 5.0, ?, 0.5, 'guarded', "
+                "'2026-01-02T03:04:05+00:00')",
+                (number, task, '["com.z"]', json.dumps(parameters), json.dumps(context)),
+            )
+            for iteration in (
+                (number, 0, "[[0.0, 0.0]]", '{"rms_error_m": 0.01}', '{"P": [50.0]}'),
+                (number, 1, f"[[-0.7, {number}]]", None, None),
+            ):
+                old.execute("INSERT INTO iteration VALUES (?, ?, ?, ?, ?)", iteration)
+        old.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+        old.execute("PRAGMA user_version = 1")
+
+
+SCHEMA_1 = """
+CREATE TABLE entry (
+    id INTEGER PRIMARY KEY AUTOINCREMENT,
+    robot TEXT NOT NULL,
+    task TEXT NOT NULL,
+    axes TEXT NOT NULL,
+    parameters TEXT NOT NULL,
+    basis_size INTEGER NOT NULL,
+    basis_width REAL NOT NULL,
+    context TEXT NOT NULL,
+    learning_gain REAL NOT NULL,
+    rule TEXT NOT NULL,
+    updated TEXT NOT NULL,
+    UNIQUE (robot, task, axes, parameters)
+);
+CREATE TABLE iteration (
+    entry INTEGER NOT NULL REFERENCES entry (id) ON DELETE CASCADE,
+    number INTEGER NOT NULL,
+    weights TEXT NOT NULL,
+    errors TEXT,
+    gains TEXT,
+    PRIMARY KEY (entry, number)
+);
+"""
+
+
+def test_a_version_1_file_is_brought_up_to_date(path: Path) -> None:
+    make_version_1(path)
+    for _ in range(2):  # the second time there is nothing left to do
+        with Database(path) as database:
+            first, second, own = database.entries()
+        assert dict(first.key.parameters) == {"amplitude": 0.02, "frequency": 0.25, "height": 0.0}
+        assert dict(own.key.parameters) == {"depth": 1.0}
+        assert (first.learning_gain, first.rule) == (0.5, "guarded")
+        assert first.updated == "2026-01-02T03:04:05+00:00"
+        assert [item.errors for item in second.iterations] == [{"rms_error_m": 0.01}, None]
+        assert [item.feedback for item in second.iterations] == [None, None]
+        np.testing.assert_array_equal(second.iterations[1].weights, [[-0.7, 2.0]])
+    with closing(sqlite3.connect(path)) as plain:
+        assert plain.execute("PRAGMA user_version").fetchone() == (SCHEMA_VERSION,)
+        assert plain.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+
+
+def test_learning_goes_on_in_a_version_1_file(path: Path) -> None:
+    make_version_1(path)
+    with Database(path) as database:
+        assert database.query("squat", amplitude=0.02, frequency=0.25).kind == "learned"
+        assert database.query("squat", amplitude=0.04, frequency=0.25).kind == "generalised"
+        context = database.entries()[0].context
+        made = recording(
+            0.02, basis=PeriodicBasis(2, 5.0), applied=np.array([[-0.7, 1.0]]), context=context
+        )
+        entry, _ = database.record(made)
+        assert entry.identifier == 1
+        assert [item.number for item in entry.iterations] == [0, 1, 2]
+
+
+def test_a_version_1_file_that_cannot_be_brought_up_to_date_is_left_as_it_was(path: Path) -> None:
+    make_version_1(path)
+    with closing(sqlite3.connect(path)) as old:
+        # what the first entry is going to be is there already
+        parameters = '{"amplitude": 0.02, "frequency": 0.25, "height": 0.0}'
+        old.execute("UPDATE entry SET parameters = ? WHERE id = 2", (parameters,))
+        old.commit()
+    before = path.read_bytes()
+    with pytest.raises(DatabaseError, match="UNIQUE"):
+        Database(path)
+    assert path.read_bytes() == before
+
+
+def test_signals_of_a_test_are_kept(path: Path) -> None:
+    error, reference = np.cos(PHASE)[None, :] / 300, np.sin(PHASE)[None, :] / 30
+    made = recording()
+    laps = [replace(lap, error=error, reference=reference) for lap in made.laps]
+    with Database(path) as database:
+        entry, _ = database.record(replace(made, laps=laps))
+    with Database(path) as database:
+        (found,) = database.entries()
+    assert_same(entry, found)
+    tested, untested = found.iterations
+    for name in FITTED:
+        assert getattr(tested, name) is not None
+        assert getattr(untested, name) is None
+    for weights, values in (
+        (tested.feedback, made.laps[0].feedback),
+        (tested.error_weights, error),
+        (tested.reference_weights, reference),
+    ):
+        assert weights is not None
+        span = np.ptp(values)
+        np.testing.assert_allclose(BASIS.evaluate(PHASE, weights), values, atol=1e-2 * span)
+
+
+def test_an_entry_from_a_file_goes_on_like_one_in_memory(path: Path) -> None:
+    kept = Entry(recording().key, BASIS, CONTEXT)
+    # the third is worse, the second again, and on from there
+    for number, error in enumerate((1.0, 0.3, 0.4, 0.3, 0.1)):
+        noise = np.random.default_rng(number).normal(0, 1e-4, PHASE.size)
+        position_error = (1e-3 * error * np.cos(PHASE) + noise)[None, :]
+        lap = Lap(PHASE, 50 * position_error, position_error, 0.03 * np.sin(PHASE)[None, :])
+        applied = kept.served.weights if kept.iterations else np.zeros((1, BASIS.L))
+        made = recording(applied=applied, error=error, laps=[lap], rule="stable")
+        kept.add(made)
+        with Database(path) as database:  # opened anew each time
+            stored, _ = database.record(made)
+        kept.key, kept.identifier, kept.updated = stored.key, stored.identifier, stored.updated
+        assert_same(kept, stored)
+    with Database(path) as database:
+        (found,) = database.entries()
+    assert_same(kept, found)
+    assert found.contractions == kept.contractions
+    assert [item.learned_from for item in found.iterations] == [None, 0, 1, 1, 3]
+
+
+def test_a_version_2_file_is_brought_up_to_date(path: Path) -> None:
+    with Database(path) as database:
+        database.record(recording())
+    with closing(sqlite3.connect(path)) as old:
+        old.execute("ALTER TABLE iteration DROP COLUMN learned_from")
+        old.execute("PRAGMA user_version = 2")
+        old.commit()
+    with Database(path) as database:
+        (entry,) = database.entries()
+        assert [item.learned_from for item in entry.iterations] == [None, None]
+        entry, _ = database.record(recording(applied=entry.served.weights, error=1e-4))
+        assert [item.learned_from for item in entry.iterations] == [None, None, 1]
+
+
+# where to learn next
+
+
+def learn_at(database: Database, places: list[tuple[float, float]]) -> None:
+    for amplitude, frequency in places:
+        database.record(recording(amplitude, frequency))
+
+
+REGION = {"amplitude": (0.02, 0.08), "frequency": (0.2, 0.6)}
+
+
+def test_first_the_middle_then_the_corners(database: Database) -> None:
+    visited = []
+    for _ in range(5):
+        place = database.suggest("squat", robot="hermes_lower", region=REGION)
+        assert place.parameters["height"] == 0.0
+        visited.append((place.parameters["amplitude"], place.parameters["frequency"]))
+        learn_at(database, [visited[-1]])
+    assert visited[0] == (0.05, 0.4)
+    assert set(visited[1:]) == {(a, f) for a in (0.02, 0.08) for f in (0.2, 0.6)}
+
+
+def test_the_deviation_is_unknown_until_a_regression_is_possible(database: Database) -> None:
+    assert database.suggest("squat", region=REGION).standard_deviation is None
+    learn_at(database, [(0.02, 0.2), (0.08, 0.2)])
+    # of the frequency they say nothing
+    assert database.suggest("squat", region=REGION).standard_deviation is None
+    learn_at(database, [(0.05, 0.6)])
+    deviation = database.suggest("squat", region=REGION).standard_deviation
+    assert deviation is not None
+    assert deviation > 0
+
+
+def test_the_hole_is_suggested(database: Database) -> None:
+    grid = [(a, f) for a in (0.02, 0.035, 0.05, 0.065, 0.08) for f in (0.2, 0.3, 0.4, 0.5, 0.6)]
+    hole = {(a, f) for a in (0.05, 0.065) for f in (0.3, 0.4)}
+    learn_at(database, [place for place in grid if place not in hole])
+    place = database.suggest("squat", region=REGION)
+    assert place.parameters["amplitude"] == pytest.approx(0.0575, abs=0.0076)
+    assert place.parameters["frequency"] == pytest.approx(0.35, abs=0.051)
+
+
+def test_the_suggested_place_is_the_most_uncertain(database: Database) -> None:
+    rng = np.random.default_rng(1)
+    learn_at(database, [(a, f) for a, f in rng.uniform((0.02, 0.2), (0.08, 0.6), (9, 2)).round(4)])
+    place = database.suggest("squat", region=REGION)
+    best = database.query("squat", extrapolate=True, **place.parameters)
+    lap = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+
+    def deviation(feedforward: Any) -> float:
+        return float(np.sqrt(np.mean(feedforward.std(lap) ** 2)))
+
+    assert deviation(best) == pytest.approx(place.standard_deviation, rel=1e-6)
+    for amplitude, frequency in rng.uniform((0.02, 0.2), (0.08, 0.6), (30, 2)):
+        other = database.query("squat", extrapolate=True, amplitude=amplitude, frequency=frequency)
+        # a place between those of the grid may be a little worse
+        assert deviation(other) < 1.05 * deviation(best)
+
+
+def test_one_parameter_may_be_fixed(database: Database) -> None:
+    learn_at(database, [(a, f) for a in (0.02, 0.08) for f in (0.2, 0.6)])
+    place = database.suggest("squat", region={"amplitude": (0.02, 0.08)}, frequency=0.2)
+    assert place.parameters["frequency"] == 0.2
+    assert place.parameters["amplitude"] == pytest.approx(0.05, abs=1e-6)
+
+
+def test_entries_at_another_height_say_nothing_of_this_one(database: Database) -> None:
+    learn_at(database, [(a, f) for a in (0.02, 0.05, 0.08) for f in (0.2, 0.4, 0.6)])
+    place = database.suggest("squat", region=REGION, height=0.02)
+    assert place.parameters == {"amplitude": 0.05, "frequency": 0.4, "height": 0.02}
+    assert place.standard_deviation is None
+
+
+def test_a_place_where_nothing_was_learned_is_not_suggested_again(database: Database) -> None:
+    worse, _ = database.record(recording(0.05, 0.4, error=1e-3))
+    database.record(recording(0.05, 0.4, applied=worse.served.weights, error=2e-3))
+    place = database.suggest("squat", region=REGION)
+    assert (place.parameters["amplitude"], place.parameters["frequency"]) != (0.05, 0.4)
+
+
+def test_a_region_without_a_free_place_is_refused(
+    database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tsd_casadi.suggestion.FINEST_GRID", 3)
+    learn_at(database, [(a, 0.25) for a in (0.02, 0.05, 0.08)])
+    with pytest.raises(EntryNotFound, match="every place"):
+        database.suggest("squat", region={"amplitude": (0.02, 0.08)}, frequency=0.25)
+
+
+@pytest.mark.parametrize(
+    ("region", "fixed", "named"),
+    [
+        ({}, SQUAT, "the region"),
+        ({"amplitude": (0.08, 0.02)}, {"frequency": 0.25}, "region of amplitude"),
+        ({"amplitude": (0.02, 0.02)}, {"frequency": 0.25}, "region of amplitude"),
+        ({"amplitude": (0.02, float("nan"))}, {"frequency": 0.25}, "region of amplitude"),
+        ({"amplitude": (-0.02, 0.08)}, {"frequency": 0.25}, "amplitude is -0.02"),
+        ({"amplitude": (0.02, 0.08)}, SQUAT, "region of amplitude"),
+        ({"amplitude": (0.02, 0.08)}, {}, "without frequency"),
+        ({"colour": (0.02, 0.08)}, SQUAT, "'colour'"),
+    ],
+)
+def test_regions_that_make_no_sense_are_refused(
+    database: Database, region: Any, fixed: dict[str, float], named: str
+) -> None:
+    with pytest.raises(InvalidValue, match=named):
+        database.suggest("squat", region=region, **fixed)

@@ -9,7 +9,7 @@ import pytest
 
 from tsd_casadi import load_robot
 from tsd_casadi.exceptions import InvalidValue, SimulationError
-from tsd_clients import demo
+from tsd_clients import demo, service_process
 
 FIELDS = {
     "label", "task", "amplitude_m", "frequency_hz", "model_error", "p_scale", "feedforward",
@@ -83,16 +83,16 @@ def test_short_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_services_stop_when_a_run_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     started = []
-    original = demo.ServiceProcess
+    original = service_process.ServiceProcess
 
-    def remember(arguments: list[str]) -> demo.ServiceProcess:
+    def remember(arguments: list[str]) -> service_process.ServiceProcess:
         started.append(original(arguments))
         return started[-1]
 
     def fail(*_: object, **__: object) -> None:
         raise SimulationError("on purpose")
 
-    monkeypatch.setattr(demo, "ServiceProcess", remember)
+    monkeypatch.setattr(service_process, "ServiceProcess", remember)
     monkeypatch.setattr(demo.MujocoSimulator, "run", fail)
     with pytest.raises(SimulationError, match="on purpose"):
         demo.run_demo(load_robot("hermes_lower"), tmp_path)

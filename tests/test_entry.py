@@ -316,3 +316,118 @@ def test_repeating_the_baseline_does_not_halve_the_gain() -> None:
     entry = entry_after(2e-3, 1e-3)
     entry.add(recording(NOTHING, 2e-3, update=False))
     assert entry.learning_gain == 1.0
+
+
+# what repetitions tell about contraction
+
+
+WAVE = np.sin(PHASE)[None, :]
+
+
+def stable_recording(
+    applied: np.ndarray = NOTHING, error: float = 1e-3, **changes: Any
+) -> Recording:
+    """A repetition whose position error is a sine with this RMS value."""
+    position_error = np.sqrt(2) * error * WAVE
+    lap = Lap(PHASE, 50 * position_error, position_error, 0.03 * WAVE)
+    return recording(applied, error, laps=[lap] * 2, **{"rule": "stable", **changes})
+
+
+def stable_entry(*errors: float) -> Entry:
+    entry = empty_entry()
+    for error in errors:
+        applied = entry.served.weights if entry.iterations else NOTHING
+        entry.add(stable_recording(applied, error))
+    return entry
+
+
+def learned_from(entry: Entry) -> list[int | None]:
+    return [iteration.learned_from for iteration in entry.iterations]
+
+
+def test_each_iteration_knows_what_it_was_learned_from() -> None:
+    entry = stable_entry(4e-3, 2e-3, 3e-3, 2e-3)  # 2 is worse, 3 is learned from 1
+    assert learned_from(entry) == [None, 0, 1, 1]
+    entry.add(stable_recording(np.full((1, BASIS.L), 0.3), 1e-3))
+    assert learned_from(entry)[-2:] == [None, 4]
+
+
+def test_observed_is_the_share_of_the_one_it_was_learned_from() -> None:
+    entry = stable_entry(4e-3, 2e-3, 3e-3, 2e-3, 0.5e-3)
+    observed = entry.observed_contractions()
+    assert observed is not None
+    np.testing.assert_allclose(observed[:, 1], [0.5, 1.5, 0.25], rtol=1e-6)
+    assert np.isnan(observed[:, 3:]).all()  # nothing there to be left over
+    assert entry.contractions[0].observed[1] == pytest.approx(0.25)
+    assert entry.contractions[0].observed[3] is None
+
+
+def test_observed_does_not_need_position_errors() -> None:
+    entry = empty_entry()
+    entry.add(recording(error=4e-3, feedback=0.5))
+    entry.add(recording(entry.served.weights, 2e-3, 0.1))
+    observed = entry.observed_contractions()
+    assert observed is not None
+    assert observed[0, 0] == pytest.approx(0.2)
+    assert entry.contractions == ()
+    assert entry.filters() == ()
+
+
+def test_tests_at_other_gains_are_not_compared() -> None:
+    entry = stable_entry(4e-3)
+    softer = replace(CONTEXT, gains={"P": [25.0], "D": [10.0]})
+    entry.add(stable_recording(entry.served.weights, 2e-3, context=softer))
+    assert entry.observed_contractions() is None
+    assert entry.contractions[0].observed == (None,) * 13
+
+
+def test_nothing_is_known_of_an_empty_entry() -> None:
+    assert (empty_entry().filters(), empty_entry().contractions) == ((), ())
+    assert empty_entry().observed_contractions() is None
+
+
+def test_the_account_names_each_axis() -> None:
+    key = TaskKey.of("r", "squat", ("com.x", "com.z"), dict(KEY.parameters))
+    context = replace(CONTEXT, gains={"P": [50.0, 20.0], "D": [14.0, 9.0]})
+    entry, twice = Entry(key, BASIS, context), np.vstack([WAVE, WAVE])
+    made = stable_recording(np.zeros((2, BASIS.L)), context=context, key=key)
+    entry.add(replace(made, laps=[Lap(PHASE, twice, twice / 100, twice / 20)]))
+    assert [account.axis for account in entry.contractions] == ["com.x", "com.z"]
+    stiff, soft = entry.contractions
+    assert stiff.plain[1] < soft.plain[1]
+
+
+def test_plain_learning_is_accounted_for_as_well() -> None:
+    entry = empty_entry()
+    entry.add(stable_recording(rule="plain"))
+    assert len(entry.contractions) == 1
+
+
+def test_the_stable_rule_never_goes_on_from_what_proved_worse() -> None:
+    entry = stable_entry(4e-3, 2e-3, 3e-3)
+    assert (entry.served.number, entry.learning_gain) == (1, 0.5)
+    entry.add(stable_recording(entry.served.weights, 2e-3))
+    assert entry.learning_gain == 0.5  # the best again is no success
+    entry.add(stable_recording(entry.served.weights, 1e-3))
+    assert entry.learning_gain == 1.0
+
+
+def test_noise_at_the_floor_does_not_slow_learning_down_for_ever() -> None:
+    entry = stable_entry(1e-3, 1.001e-3, 1e-3, 0.999e-3)
+    assert entry.learning_gain == 1.0
+    guarded = entry_after(1e-3, 1.001e-3, 1e-3, 0.999e-3)
+    assert guarded.learning_gain == 0.5  # its sum would overshoot again
+
+
+def test_a_test_without_positions_forgets_those_of_before() -> None:
+    entry = stable_entry(4e-3)
+    softer = replace(CONTEXT, gains={"P": [25.0], "D": [10.0]})
+    entry.add(recording(NOTHING, 3e-3, context=softer))
+    assert entry.iterations[0].error_weights is None
+    assert entry.filters() == ()
+
+
+def test_a_repeated_iteration_is_one_trial() -> None:
+    once, twice = stable_entry(4e-3, 2e-3), stable_entry(4e-3, 2e-3)
+    twice.add(stable_recording(twice.iterations[1].weights, 2e-3, update=False))
+    assert once.contractions == twice.contractions

@@ -6,182 +6,301 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.interpolate import LinearNDInterpolator
 
+from tsd_casadi.calibration import student_factor
 from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
+from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.generalization import WeightRegression
+from tsd_casadi.periodic_basis import PeriodicBasis
 
 AMPLITUDES = (0.02, 0.04, 0.06, 0.08)
-SHAPE = (2, 5)
+FREQUENCIES = (0.2, 0.4, 0.6)
+GRID = tuple((a, f) for a in AMPLITUDES for f in FREQUENCIES)
+NAMES = ("amplitude", "frequency")
+BASIS = PeriodicBasis()
+SHAPE = (2, BASIS.L)
+LAP = np.linspace(0, 2 * np.pi, 100, endpoint=False)
+
+Places = tuple[tuple[float, ...], ...]
 
 
-def learned(amplitude: float, seed: int = 0) -> np.ndarray:
-    """Weights that depend smoothly on the amplitude, each in its own way."""
-    rng = np.random.default_rng(seed)
-    offset, slope, bend = rng.normal(size=(3, *SHAPE))
-    return np.asarray(offset + 20 * slope * amplitude + 100 * bend * amplitude**2)
+def learned(place: tuple[float, ...], seed: int = 0) -> np.ndarray:
+    """Weights that depend smoothly on the parameters, each in its own way.
 
-
-@cache
-def regression_of(amplitudes: tuple[float, ...] = AMPLITUDES, seed: int = 0) -> WeightRegression:
-    weights = [learned(amplitude, seed) for amplitude in amplitudes]
-    return WeightRegression("amplitude", "m", amplitudes, weights)
-
-
-def posterior(
-    kernel: tuple[float, float, float], amplitudes: np.ndarray, targets: np.ndarray, value: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Gaussian process posterior, written out with numpy.
-
-    Args:
-        kernel: Signal variance, length scale (database spans 1), noise variance.
-        amplitudes: Inputs (n,).
-        targets: (n, weights).
-        value: Where to predict.
+    Inertia, damping, and friction, whose steps at the turning points are the
+    sharper the faster.
     """
-    variance, length, noise = kernel
-    low, span = amplitudes.min(), np.ptp(amplitudes)
-    x, x_new = (amplitudes - low) / span, (value - low) / span
-
-    def covariance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        return np.asarray(variance * np.exp(-((a[:, None] - b[None, :]) ** 2) / (2 * length**2)))
-
-    mean, deviation = targets.mean(axis=0), targets.std(axis=0)
-    # sklearn adds 1e-10 to the diagonal of what it inverts
-    K = covariance(x, x) + (noise + 1e-10) * np.eye(len(x))
-    k_new = covariance(np.array([x_new]), x)[0]
-    predicted = mean + deviation * (k_new @ np.linalg.solve(K, (targets - mean) / deviation))
-    left = variance + noise - k_new @ np.linalg.solve(K, k_new)
-    return predicted, deviation * np.sqrt(left)
-
-
-def fitted_kernel(regression: WeightRegression) -> tuple[float, float, float]:
-    """Exact hyperparameters; the string for people is rounded."""
-    kernel = regression._process.kernel_
-    return (
-        kernel.k1.k1.constant_value,
-        kernel.k1.k2.length_scale,
-        kernel.k2.noise_level,
+    rng = np.random.default_rng(seed)
+    inertia, damping, friction = rng.uniform(0.5, 1.5, size=(3, 2, 1))
+    amplitude, frequency = (*place, 0.25)[:2]
+    speed = 2 * np.pi * amplitude * frequency
+    return np.asarray(
+        -0.7
+        + inertia * 0.1 * amplitude * (2 * np.pi * frequency) ** 2 * np.sin(BASIS.centres)
+        + damping * speed * np.cos(BASIS.centres)
+        + friction * 0.5 * np.tanh(np.cos(BASIS.centres) * speed / 0.05)
     )
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
-@pytest.mark.parametrize("value", [0.02, 0.025, 0.05, 0.0612, 0.08])
-def test_prediction_is_the_closed_form_posterior(seed: int, value: float) -> None:
-    regression = regression_of(seed=seed)
-    targets = np.stack([learned(amplitude, seed).ravel() for amplitude in AMPLITUDES])
-    expected = posterior(fitted_kernel(regression), np.array(AMPLITUDES), targets, value)
-    mean, std = regression.predict(value)
-    assert mean.shape == std.shape == SHAPE
-    np.testing.assert_allclose(mean.ravel(), expected[0], rtol=0, atol=1e-8)
-    np.testing.assert_allclose(std.ravel(), expected[1], rtol=0, atol=1e-8)
+@cache
+def regression_of(places: Places = GRID, seed: int = 0) -> WeightRegression:
+    return WeightRegression(
+        "squat",
+        NAMES[: len(places[0])],
+        np.array(places),
+        [learned(place, seed) for place in places],
+        BASIS,
+    )
 
 
-def test_extrapolation_is_the_same_posterior() -> None:
-    regression = regression_of()
-    targets = np.stack([learned(amplitude).ravel() for amplitude in AMPLITUDES])
-    expected = posterior(fitted_kernel(regression), np.array(AMPLITUDES), targets, 0.1)
-    mean, std = regression.predict(0.1, extrapolate=True)
-    np.testing.assert_allclose(mean.ravel(), expected[0], atol=1e-8)
-    np.testing.assert_allclose(std.ravel(), expected[1], atol=1e-8)
+def at(*place: float) -> dict[str, float]:
+    return dict(zip(NAMES, place, strict=False))
+
+
+def along(*amplitudes: float) -> Places:
+    return tuple((amplitude,) for amplitude in amplitudes)
+
+
+class ClosedForm:
+    """The Gaussian process posterior, written out with numpy."""
+
+    def __init__(self, regression: WeightRegression, places: Places, seed: int = 0) -> None:
+        # exact hyperparameters; the string for people is rounded
+        kernel = regression._kernel
+        self.variance = kernel.k1.k1.constant_value
+        self.lengths = np.atleast_1d(kernel.k1.k2.length_scale)
+        self.noise = kernel.k2.noise_level
+        self.x = np.array(places)
+        self.low, self.span = self.x.min(axis=0), np.ptp(self.x, axis=0)
+        self.y = np.stack([learned(place, seed).ravel() for place in places])
+        self.center = self.y.mean(axis=0)
+
+    def covariance(self, one: np.ndarray, other: np.ndarray) -> np.ndarray:
+        scale = self.span * self.lengths
+        r = np.linalg.norm(one[:, None] / scale - other[None] / scale, axis=2)
+        matern = (1 + np.sqrt(5) * r + 5 / 3 * r**2) * np.exp(-np.sqrt(5) * r)
+        return np.asarray(self.variance * matern)
+
+    def predict(self, place: tuple[float, ...], used: np.ndarray) -> tuple[np.ndarray, float]:
+        """Mean, and standard deviation in units of the spread, from some entries."""
+        x, y = self.x[used], self.y[used] - self.center
+        K = self.covariance(x, x) + self.noise * np.eye(len(x))
+        k = self.covariance(np.array([place]), x)[0]
+        mean = self.center + k @ np.linalg.solve(K, y)
+        return mean, float(np.sqrt(self.variance + self.noise - k @ np.linalg.solve(K, k)))
+
+    def calibrated(self, place: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+        """Mean, and its calibrated standard deviation over a lap, leaving out for real."""
+        everything = np.ones(len(self.x), dtype=bool)
+        mean, deviation = self.predict(place, everything)
+        phase = 2 * np.pi * np.arange(8 * BASIS.L) / (8 * BASIS.L)
+        squares = []
+        for i in range(len(self.x)):
+            others = everything.copy()
+            others[i] = False
+            left_out, expected = self.predict(tuple(self.x[i]), others)
+            residual = (self.y[i] - left_out).reshape(SHAPE) / expected
+            squares.append((residual @ BASIS.values(phase).T) ** 2)
+        n, square = len(self.x), np.mean(squares, axis=0)
+        square = (n * square + 4 * square.mean(axis=1, keepdims=True)) / (n + 4)
+        psi = BASIS.values(phase)
+        scale = student_factor(n) * np.sqrt(square @ psi / psi.sum(axis=0))
+        return mean.reshape(SHAPE), deviation * scale
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize(
+    ("places", "place"),
+    [
+        (along(*AMPLITUDES), (0.025,)),
+        (along(*AMPLITUDES), (0.08,)),
+        (along(*AMPLITUDES), (0.1,)),
+        (along(0.02, 0.06), (0.04,)),
+        (GRID, (0.0612, 0.31)),
+        (GRID, (0.08, 0.6)),
+        (GRID, (0.1, 0.7)),
+    ],
+)
+def test_prediction_is_the_closed_form(seed: int, places: Places, place: tuple[float, ...]) -> None:
+    regression = regression_of(places, seed)
+    expected_mean, expected_std = ClosedForm(regression, places, seed).calibrated(place)
+    mean, std = regression.predict(at(*place), extrapolate=True)
+    np.testing.assert_allclose(mean, expected_mean, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(std, expected_std, rtol=1e-4)
 
 
 def test_hyperparameters_maximise_the_likelihood() -> None:
     regression = regression_of()
-    best = regression._process.log_marginal_likelihood_value_
-    theta = regression._process.kernel_.theta
-    bounds = regression._process.kernel_.bounds
+    closed = ClosedForm(regression, GRID)
+    y = (closed.y - closed.center) / np.sqrt(closed.y.var(axis=0).mean())
+
+    def likelihood(theta: np.ndarray) -> float:
+        K = regression._kernel.clone_with_theta(theta)(regression._inputs)
+        quadratic = np.sum(y * np.linalg.solve(K, y))
+        return float(-(quadratic + y.shape[1] * np.linalg.slogdet(K)[1]) / 2)
+
+    theta, bounds = regression._kernel.theta, regression._kernel.bounds
     for index in range(len(theta)):
         for step in (-0.3, 0.3):
             moved = theta.copy()
             moved[index] = np.clip(moved[index] + step, *bounds[index])
-            assert regression._process.log_marginal_likelihood(moved) <= best + 1e-6
-
-
-def test_smooth_dependence_is_predicted_between_the_entries() -> None:
-    mean, std = regression_of().predict(0.05)
-    spread = np.stack([learned(a) for a in AMPLITUDES]).std(axis=0)
-    assert np.all(np.abs(mean - learned(0.05)) < 0.1 * spread)
-    assert np.all(std > 0)
+            assert likelihood(moved) <= likelihood(theta) + 1e-4
 
 
 def test_learned_values_are_nearly_reproduced() -> None:
-    regression = regression_of()
-    for amplitude in AMPLITUDES:
-        mean, _ = regression.predict(amplitude)
-        spread = np.stack([learned(a) for a in AMPLITUDES]).std(axis=0)
-        assert np.all(np.abs(mean - learned(amplitude)) < 0.05 * spread)
+    for place in GRID:
+        mean, _ = regression_of().predict(at(*place))
+        assert np.sqrt(np.mean((mean - learned(place)) ** 2)) < 2e-3
+
+
+def held_out(seed: int, count: int = 40) -> np.ndarray:
+    return np.random.default_rng(seed).uniform((0.02, 0.2), (0.08, 0.6), size=(count, 2))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_between_the_entries_it_beats_linear_interpolation(seed: int) -> None:
+    places = held_out(seed)
+    x, low = np.array(GRID), np.array(GRID).min(axis=0)
+    span = np.ptp(x, axis=0)
+    weights = np.stack([learned(place, seed).ravel() for place in GRID])
+    linear = LinearNDInterpolator((x - low) / span, weights)((places - low) / span)
+    truth = np.stack([learned(tuple(place), seed).ravel() for place in places])
+    found = np.stack([regression_of(GRID, seed).predict(at(*p))[0].ravel() for p in places])
+    assert np.mean((found - truth) ** 2) < 0.5 * np.mean((linear - truth) ** 2)
+
+
+def coverage(entries: int, seed: int) -> float:
+    """Share of the held-out curves inside two standard deviations; entries that are noisy."""
+    rng = np.random.default_rng(100 + seed)
+    corners = [(a, f) for a in (0.02, 0.08) for f in (0.2, 0.6)]
+    inside = rng.uniform((0.02, 0.2), (0.08, 0.6), size=(entries - 4, 2))
+    places = np.concatenate([corners, inside])
+
+    def noisy(place: np.ndarray) -> np.ndarray:
+        return learned(tuple(place), seed) + 0.002 * rng.normal(size=SHAPE)
+
+    regression = WeightRegression("squat", NAMES, places, [noisy(p) for p in places], BASIS)
+    shares = []
+    for place in held_out(seed, 20):
+        mean, std = regression.predict(at(*place))
+        found = Feedforward(("x", "z"), BASIS, mean, std, "generalised")
+        error = np.abs(found.mean(LAP) - noisy(place) @ BASIS.values(LAP).T)
+        shares.append(np.mean(error < 2 * found.std(LAP)))
+    return float(np.mean(shares))
+
+
+@pytest.mark.parametrize("entries", [6, 12])
+def test_two_standard_deviations_hold_the_held_out_curves(entries: int) -> None:
+    shares = [coverage(entries, seed) for seed in range(12)]
+    assert 0.85 <= np.mean(shares) <= 0.995
+    assert min(shares) >= 0.5
+
+
+def test_a_parameter_without_effect_gets_a_long_length_scale() -> None:
+    weights = [learned((amplitude, 0.3)) for amplitude, _ in GRID]
+    regression = WeightRegression("squat", NAMES, np.array(GRID), weights, BASIS)
+    scales = regression.length_scales
+    assert scales["frequency"] > 10 * scales["amplitude"]
+    one, other = (regression.predict(at(0.05, frequency))[0] for frequency in (0.25, 0.55))
+    np.testing.assert_allclose(one, other, atol=1e-3)
+    np.testing.assert_allclose(one, learned((0.05, 0.3)), atol=1e-2)
 
 
 def test_uncertainty_grows_away_from_the_entries() -> None:
-    regression = regression_of()
-    values = (0.08, 0.1, 0.15, 0.3)
-    deviations = [regression.predict(value, extrapolate=True)[1].mean() for value in values]
+    places = [(0.08, 0.6), (0.09, 0.65), (0.12, 0.8), (0.3, 2.0)]
+    deviations = [
+        regression_of().predict(at(*place), extrapolate=True)[1].mean() for place in places
+    ]
     assert all(near < far for near, far in pairwise(deviations))
 
 
-@pytest.mark.parametrize("order", [(3, 2, 1, 0), (1, 3, 0, 2)])
-def test_order_of_entries_does_not_matter(order: tuple[int, ...]) -> None:
-    shuffled = regression_of(tuple(AMPLITUDES[i] for i in order))
-    np.testing.assert_array_equal(shuffled.inputs, AMPLITUDES)
-    for one, other in zip(shuffled.predict(0.05), regression_of().predict(0.05), strict=True):
-        np.testing.assert_allclose(one, other, atol=1e-12)
+def test_an_empty_corner_is_more_uncertain() -> None:
+    places = tuple(place for place in GRID if place[0] < 0.05 or place[1] < 0.3)
+    regression = regression_of(places)
+    corner = regression.predict(at(0.08, 0.6))[1].mean()
+    assert corner > 3 * regression.predict(at(0.03, 0.3))[1].mean()
+
+
+def test_deviation_is_the_rms_of_the_standard_deviation_over_a_lap() -> None:
+    regression = regression_of()
+    places = held_out(0, 5)
+    for place, deviation in zip(places, regression.deviation(places), strict=True):
+        _, std = regression.predict(at(*place))
+        curve = BASIS.evaluate(LAP, std)
+        assert deviation == pytest.approx(np.sqrt(np.mean(curve**2)), rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_order_of_entries_does_not_matter(seed: int) -> None:
+    order = np.random.default_rng(seed).permutation(len(GRID))
+    shuffled = regression_of(tuple(GRID[i] for i in order))
+    place = at(0.05, 0.3)
+    for one, other in zip(shuffled.predict(place), regression_of().predict(place), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-2, atol=1e-4)
 
 
 def test_the_same_content_gives_the_same_answer() -> None:
+    first = regression_of()
     regression_of.cache_clear()
-    again = regression_of()
-    regression_of.cache_clear()
-    for one, other in zip(regression_of().predict(0.05), again.predict(0.05), strict=True):
+    place = at(0.05, 0.3)
+    for one, other in zip(regression_of().predict(place), first.predict(place), strict=True):
         np.testing.assert_array_equal(one, other)
 
 
 def test_input_arrays_are_not_changed() -> None:
-    weights = [learned(amplitude) for amplitude in AMPLITUDES]
-    before = [array.copy() for array in weights]
-    WeightRegression("amplitude", "m", AMPLITUDES, weights).predict(0.05)
-    for one, other in zip(weights, before, strict=True):
+    weights = [learned(place) for place in GRID]
+    inputs = np.array(GRID)
+    before = [array.copy() for array in (*weights, inputs)]
+    WeightRegression("squat", NAMES, inputs, weights, BASIS).predict(at(0.05, 0.3))
+    for one, other in zip((*weights, inputs), before, strict=True):
         np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize("value", [0.0199, 0.0801, 0.0, -1.0, np.nan, np.inf])
 def test_outside_the_learned_range_is_refused_with_the_range(value: float) -> None:
     with pytest.raises(OutsideTrainedRange, match=re.escape("0.02 to 0.08 m")) as caught:
-        regression_of().predict(value)
+        regression_of().predict(at(value, 0.3))
     assert (caught.value.low, caught.value.high) == (0.02, 0.08)
     assert caught.value.parameter == "amplitude"
     assert "extrapolate=true" in str(caught.value)
 
 
-@pytest.mark.parametrize("value", [0.01, 0.0801, 0.12])
-def test_extrapolate_answers_outside(value: float) -> None:
-    mean, std = regression_of().predict(value, extrapolate=True)
+@pytest.mark.parametrize("value", [0.19, 0.61])
+def test_the_parameter_that_is_outside_is_named_with_its_unit(value: float) -> None:
+    message = f"frequency {value:g} Hz is outside the learned range 0.2 to 0.6 Hz"
+    with pytest.raises(OutsideTrainedRange, match=re.escape(message)):
+        regression_of().predict(at(0.05, value))
+    mean, std = regression_of().predict(at(0.05, value), extrapolate=True)
     assert np.isfinite(mean).all()
-    assert np.isfinite(std).all()
+    assert (std > 0).all()
 
 
-@pytest.mark.parametrize("amplitudes", [(), (0.05,)])
-def test_too_few_entries_are_refused(amplitudes: tuple[float, ...]) -> None:
-    with pytest.raises(EntryNotFound, match="at least 2"):
-        regression_of(amplitudes)
-
-
-def test_two_entries_are_enough() -> None:
-    regression = regression_of((0.02, 0.06))
-    mean, std = regression.predict(0.04)
-    targets = np.stack([learned(a).ravel() for a in (0.02, 0.06)])
-    expected = posterior(fitted_kernel(regression), np.array([0.02, 0.06]), targets, 0.04)
-    np.testing.assert_allclose(mean.ravel(), expected[0], atol=1e-8)
-    np.testing.assert_allclose(std.ravel(), expected[1], atol=1e-8)
+@pytest.mark.parametrize(("places", "least"), [(((0.05,),), 2), (((0.02, 0.2), (0.04, 0.4)), 3)])
+def test_too_few_entries_are_refused(places: Places, least: int) -> None:
+    with pytest.raises(EntryNotFound, match=f"at least {least}"):
+        regression_of(places)
 
 
 def test_weights_that_never_differ_are_predicted_as_they_are() -> None:
     weights = [np.full(SHAPE, 0.7)] * 3
-    mean, std = WeightRegression("amplitude", "m", (0.02, 0.04, 0.06), weights).predict(0.05)
+    inputs = np.array([[0.02], [0.04], [0.06]])
+    regression = WeightRegression("squat", ("amplitude",), inputs, weights, BASIS)
+    mean, std = regression.predict(at(0.05))
     np.testing.assert_allclose(mean, 0.7, atol=1e-12)
     assert np.isfinite(std).all()
 
 
-def test_kernel_can_be_shown() -> None:
-    text = regression_of().kernel
-    assert "RBF" in text
-    assert "WhiteKernel" in text
+def test_what_was_fitted_can_be_shown() -> None:
+    regression = regression_of()
+    assert "Matern" in regression.kernel
+    assert "WhiteKernel" in regression.kernel
+    assert regression.length_scales.keys() == set(NAMES)
+    calibration = regression.calibration
+    assert calibration["unit"] == "m/s^2"
+    assert calibration["student_factor"] == student_factor(12)
+    closed = ClosedForm(regression, GRID)
+    others = np.arange(12) != 7
+    residual = closed.y[7] - closed.predict(GRID[7], others)[0]
+    curve = residual.reshape(SHAPE) @ BASIS.values(LAP).T
+    assert calibration["residuals"][7] == pytest.approx(np.sqrt(np.mean(curve**2)), rel=1e-3)

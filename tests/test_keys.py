@@ -10,6 +10,7 @@ ALL = {
     "tsd/hermes_lower/controller/tick": keys.tick_key(ROBOT),
     "tsd/hermes_lower/controller/info": keys.info_key(ROBOT),
     "tsd/hermes_lower/learner/feedforward": keys.feedforward_key(ROBOT),
+    "tsd/hermes_lower/learner/suggestion": keys.suggestion_key(ROBOT),
     "tsd/hermes_lower/learner/record": keys.record_key(ROBOT),
     "tsd/hermes_lower/learner/database": keys.database_key(ROBOT),
     "tsd/hermes_lower/controller/alive": keys.alive_key(ROBOT, "controller"),
@@ -36,7 +37,14 @@ def test_the_robot_is_its_own_chunk(key: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "make", [keys.feedforward_key, keys.record_key, keys.database_key, keys.tick_key]
+    "make",
+    [
+        keys.feedforward_key,
+        keys.suggestion_key,
+        keys.record_key,
+        keys.database_key,
+        keys.tick_key,
+    ],
 )
 def test_any_robot_matches_every_robot(make: object) -> None:
     assert callable(make)

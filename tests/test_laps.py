@@ -5,7 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tsd_casadi.laps import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE, Lap, first_steady_lap, join_laps
+from tsd_casadi.laps import (
+    ABSOLUTE_TOLERANCE,
+    RELATIVE_TOLERANCE,
+    Lap,
+    first_steady_lap,
+    join_laps,
+    join_positions,
+)
 
 PHASE = np.linspace(0, 2 * np.pi, 200, endpoint=False)
 # mean 0 and standard deviation 1 on PHASE
@@ -114,3 +121,17 @@ def test_join_keeps_order_and_whole_laps() -> None:
     phase, feedback = join_laps([one, other])
     np.testing.assert_array_equal(phase, np.arange(8.0))
     np.testing.assert_array_equal(feedback, np.hstack([one.feedback, other.feedback]))
+
+
+def test_positions_are_joined_in_order() -> None:
+    laps = [Lap(PHASE, WAVE[None, :], i * WAVE[None, :], WAVE[None, :] + i) for i in (1, 2)]
+    joined = join_positions(laps)
+    assert joined is not None
+    np.testing.assert_array_equal(joined[0], np.hstack([WAVE, 2 * WAVE])[None, :])
+    np.testing.assert_array_equal(joined[1], np.hstack([WAVE + 1, WAVE + 2])[None, :])
+
+
+def test_positions_are_unknown_if_one_lap_has_none() -> None:
+    whole = Lap(PHASE, WAVE[None, :], WAVE[None, :], WAVE[None, :])
+    for other in (lap(), Lap(PHASE, WAVE[None, :], WAVE[None, :])):
+        assert join_positions([whole, other]) is None

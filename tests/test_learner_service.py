@@ -5,17 +5,19 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import zenoh
 
+from tsd_casadi.database import Database
 from tsd_casadi.endpoints import session_settings
 from tsd_casadi.exceptions import ServiceError, ServiceUnreachable, TsdError, TwoServices
-from tsd_casadi.keys import feedforward_key, record_key
+from tsd_casadi.keys import feedforward_key, record_key, suggestion_key
 from tsd_casadi.laps import Lap
-from tsd_casadi.messages import ErrorMessage
+from tsd_casadi.messages import ErrorMessage, RecordMessage
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.recording import Context, Recording, TaskKey
 from tsd_clients.remote_learner import RemoteLearner
@@ -120,12 +122,18 @@ def test_stock_example_is_ten_lines_of_zenoh_alone() -> None:
     ("parameters", "code"),
     [
         ("", "malformed"),
-        ("?task=squat", "malformed"),
-        ("?task=squat;amplitude=0.05", "malformed"),
+        ("?task=squat", "invalid_value"),
+        ("?task=squat;amplitude=0.05", "invalid_value"),
         ("?task=squat;amplitude=x;frequency=0.25", "invalid_value"),
         ("?task=squat;amplitude=nan;frequency=0.25", "invalid_value"),
         ("?task=squat;amplitude=-1;frequency=0.25", "invalid_value"),
         ("?task=squat;amplitude=0.05;frequency=0.25;colour=red", "invalid_value"),
+        ("?task=squat;amplitude=0.05;frequency=0.25;colour=1", "invalid_value"),
+        ("?task=squat;amplitude=0.05;frequency=0.25;robot=1", "invalid_value"),
+        ("?task=squat;amplitude=0.05;frequency=0.25;region=1", "invalid_value"),
+        ("?task=squat;amplitude=0.05;frequency=0.25;height=inf", "invalid_value"),
+        ("?task=squat;amplitude=0.05;frequency=0.25;height=high", "invalid_value"),
+        ("?task=squat;amplitude=0.05;frequency=0.25;height=-0.01", "not_found"),
         ("?task=squat;amplitude=0.05;frequency=0.25;kind=best", "invalid_value"),
         ("?task=squat;amplitude=0.05;frequency=0.25;extrapolate=maybe", "invalid_value"),
         ("?task=squat;amplitude=0.05;frequency=0.25;kind=learned", "not_found"),
@@ -140,6 +148,64 @@ def test_bad_query_is_an_error_with_a_code(
     reply = ask(raw_session, feedforward_key(ROBOT) + parameters)
     assert reply.err is not None
     assert ErrorMessage.decode(reply.err.payload.to_bytes()).code == code
+
+
+@pytest.mark.parametrize(
+    ("parameters", "code"),
+    [
+        ("", "malformed"),
+        ("?task=squat", "invalid_value"),
+        ("?task=squat;amplitude=0.05;frequency=0.25", "invalid_value"),
+        ("?task=squat;amplitude=0.02:0.08", "invalid_value"),
+        ("?task=squat;amplitude=0.02:;frequency=0.25", "invalid_value"),
+        ("?task=squat;amplitude=0.02:0.04:0.08;frequency=0.25", "invalid_value"),
+        ("?task=squat;amplitude=0.08:0.02;frequency=0.25", "invalid_value"),
+        ("?task=squat;amplitude=0.02:nan;frequency=0.25", "invalid_value"),
+        ("?task=squat;amplitude=-0.02:0.08;frequency=0.25", "invalid_value"),
+        ("?task=squat;amplitude=0.02:0.08;frequency=0.25;colour=0:1", "invalid_value"),
+        ("?task=squat;amplitude=0.02:0.08;frequency=0.25;robot=0:1", "invalid_value"),
+        ("?task=squat;amplitude=0.02:0.08;frequency=0.25;extrapolate=true", "invalid_value"),
+    ],
+)
+def test_bad_region_is_an_error_with_a_code(
+    raw_session: zenoh.Session, parameters: str, code: str
+) -> None:
+    reply = ask(raw_session, suggestion_key(ROBOT) + parameters)
+    assert reply.err is not None
+    assert ErrorMessage.decode(reply.err.payload.to_bytes()).code == code
+
+
+def test_nobody_suggests_for_any_robot(raw_session: zenoh.Session) -> None:
+    reply = ask(raw_session, suggestion_key("*") + "?task=squat;amplitude=0.02:0.08;frequency=0.25")
+    assert reply.err is not None
+    assert ErrorMessage.decode(reply.err.payload.to_bytes()).code == "malformed"
+
+
+def test_a_suggestion_is_the_databases(learner: RemoteLearner, database: Path) -> None:
+    region = {"amplitude": (0.02, 0.08)}
+    found = learner.suggest("squat", robot=ROBOT, region=region, frequency=0.25)
+    with Database(database) as opened:
+        assert found == opened.suggest("squat", robot=ROBOT, region=region, frequency=0.25)
+    assert found.standard_deviation is not None
+    assert 0.02 <= found.parameters["amplitude"] <= 0.08
+    assert (found.parameters["frequency"], found.parameters["height"]) == (0.25, 0.0)
+
+
+def test_a_suggestion_for_an_unknown_robot_is_the_middle(learner: RemoteLearner) -> None:
+    region = {"amplitude": (0.02, 0.08), "height": (-0.04, 0.02)}
+    found = learner.suggest("squat", robot="another", region=region, frequency=0.25)
+    assert found.parameters == {"amplitude": 0.05, "frequency": 0.25, "height": -0.01}
+    assert found.standard_deviation is None
+
+
+def test_height_may_be_left_out_and_may_be_negative(learner: RemoteLearner) -> None:
+    squat = {"amplitude": 0.04, "frequency": 0.25}
+    here = learner.query("squat", robot=ROBOT, **squat)
+    assert learner.query("squat", robot=ROBOT, **squat, height=0.0).parameters == here.parameters
+    assert here.parameters["height"] == 0.0
+    with pytest.raises(ServiceError, match=r"every learned squat has height 0 m") as caught:
+        learner.query("squat", robot=ROBOT, **squat, height=-0.01)
+    assert caught.value.code == "not_found"
 
 
 @pytest.mark.parametrize("payload", [None, b"", b"{", b"[]", b'{"task": "squat"}', b"\xff\xfe"])
@@ -167,6 +233,41 @@ def test_extrapolation_on_request(learner: RemoteLearner) -> None:
     far = learner.query("squat", robot=ROBOT, extrapolate=True, **outside)
     near = learner.query("squat", robot=ROBOT, amplitude=0.07, frequency=0.25)
     assert far.standard_deviations.mean() > near.standard_deviations.mean()
+
+
+def test_stable_learning_over_the_network_is_that_of_a_local_database(
+    learner: RemoteLearner, tmp_path: Path
+) -> None:
+    phase = np.linspace(0, 2 * np.pi, 500, endpoint=False)
+    applied = np.zeros((1, PeriodicBasis().L))
+    with Database(tmp_path / "local.sqlite") as database:
+        for rms_error in (2e-3, 0.5e-3):
+            error = rms_error * (1 + 0.5 * np.cos(2 * phase))[None, :]
+            lap = Lap(phase, 50 * error, error, 0.035 * np.sin(phase)[None, :])
+            made = replace(
+                recording_of(0.035, rms_error),
+                applied=applied,
+                laps=[lap],
+                context=Context("abc", "def", {"P": [50.0], "D": [14.0]}, "test"),
+                rule="stable",
+            )
+            there, _ = learner.record(made)
+            here, _ = database.record(made)
+            applied = here.served.weights
+        asked = learner.query("squat", robot=ROBOT, amplitude=0.035, frequency=0.25)
+    np.testing.assert_allclose(asked.weights, applied, rtol=0, atol=1e-12)
+    assert there.rule == "stable"
+    assert there.contractions == here.contractions
+    assert here.contractions[0].observed[2] is not None
+    learner.forget(there.entry)
+
+
+def test_a_stable_recording_without_positions_is_refused(learner: RemoteLearner) -> None:
+    # a client of another language: this one refuses by itself
+    message = RecordMessage.of(recording_of(0.035)).model_copy(update={"rule": "stable"})
+    with pytest.raises(ServiceError, match="without error and reference") as caught:
+        learner._session.query_one(record_key(ROBOT), payload=message.encode())
+    assert caught.value.code == "invalid_value"
 
 
 def test_forget(learner: RemoteLearner) -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from tsd_casadi import Command, Controller, Database, Robot, Squat, State, Tick
 from tsd_casadi.entry import Entry
 from tsd_casadi.exceptions import (
     DatabaseError,
+    EntryNotFound,
     IncompatibleEntry,
     InvalidValue,
     SimulationError,
@@ -21,7 +23,7 @@ from tsd_clients import MujocoSimulator, Run, learn
 from tsd_clients.learning import record_of
 
 SQUAT = Squat(amplitude=0.01, frequency=1.0)
-AT = {"amplitude": 0.01, "frequency": 1.0}
+AT = {"amplitude": 0.01, "frequency": 1.0, "height": 0.0}
 
 
 class Stub:
@@ -119,7 +121,8 @@ def test_the_entry_holds_every_iteration_with_its_errors(
     assert entry.key == TaskKey.of("hermes_lower", "squat", ("com.z",), AT)
     assert entry.context.model == robot.fingerprint
     assert entry.context.formulation == f"{controller.format.layout_hash:016x}"
-    assert entry.context.gains["P"] == controller.command()["com.P"].tolist()
+    # those of the learned axis, z
+    assert entry.context.gains["P"] == [controller.command()["com.P"][2]]
 
 
 def test_each_iteration_adds_what_the_feedback_had_to_add(learned: Learned) -> None:
@@ -301,3 +304,130 @@ def test_a_run_whose_ticks_failed_is_not_learned_from(
     failed = Run(**{**vars(run), "failures": {"infeasible": run.ticks}})
     with pytest.raises(SimulationError):
         record_of(failed, simulator, controller)
+
+
+class Scripted:
+    """A learner that knows nothing and runs that go as written."""
+
+    def __init__(self, errors: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
+        self.updates: list[bool] = []
+        self.errors = iter(errors)
+        self.contractions: tuple[Any, ...] = ("an account",)
+        monkeypatch.setattr(MujocoSimulator, "run", self.run)
+        monkeypatch.setattr("tsd_clients.learning.record_of", self.note)
+
+    def run(self, *_: Any, **__: Any) -> Any:
+        error = next(self.errors)
+
+        class OfThisError:
+            rms_error = error
+
+        return OfThisError()
+
+    def note(self, *_: Any, update: bool, **__: Any) -> Any:
+        self.updates.append(update)
+
+    def query(self, task: str, **_: Any) -> Any:
+        raise EntryNotFound("nothing")
+
+    def record(self, recording: Any) -> Any:
+        return self, []
+
+
+@pytest.mark.parametrize(
+    ("errors", "patience", "runs"),
+    [
+        ([8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.12], 1, 7),  # always better
+        ([8.0, 1.0, 0.99, 0.99, 0.99, 0.99, 0.99], 2, 4),  # hardly better
+        ([8.0, 1.0, 2.0, 1.0, 0.5, 0.49, 0.49], 3, 7),  # worse, the best again, better
+        ([8.0, 1.0, 2.0, 1.0, 1.5, 0.5, 0.25], 3, 5),
+        ([8.0, 8.0, 8.0, 8.0, 8.0, 8.0, 8.0], None, 7),
+    ],
+)
+def test_patience_ends_when_nothing_becomes_better(
+    simulator: MujocoSimulator,
+    controller: Controller,
+    monkeypatch: pytest.MonkeyPatch,
+    errors: list[float],
+    patience: int | None,
+    runs: int,
+) -> None:
+    script = Scripted(errors, monkeypatch)
+    done = learn(simulator, controller, [SQUAT], script, iterations=6, patience=patience)
+    assert len(done) == runs
+    # the last run only shows: nothing untested is left behind
+    assert script.updates == [True] * (runs - 1) + [False]
+
+
+def test_the_account_of_each_motion_is_handed_on(
+    simulator: MujocoSimulator, controller: Controller, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    script = Scripted([2.0, 1.0] * 2, monkeypatch)
+    seen: list[Any] = []
+    motions = [SQUAT, Squat(0.02, 1.0)]
+    learn(simulator, controller, motions, script, on_learned=lambda *what: seen.append(what))
+    assert seen == [(motion, ("an account",)) for motion in motions]
+
+
+@pytest.mark.parametrize("patience", [0, -1])
+def test_no_patience_at_all_is_refused(
+    simulator: MujocoSimulator, controller: Controller, database: Database, patience: int
+) -> None:
+    with pytest.raises(InvalidValue, match="patience"):
+        learn(simulator, controller, [SQUAT], database, patience=patience)
+
+
+def test_stable_learning_of_the_simulated_robot(
+    simulator: MujocoSimulator, controller: Controller, database: Database, learned: Learned
+) -> None:
+    accounts: list[Any] = []
+    runs = learn(
+        simulator,
+        controller,
+        [SQUAT],
+        database,
+        iterations=2,
+        laps=2,
+        rule="stable",
+        on_learned=lambda _, found: accounts.extend(found),
+    )
+    # without lag no worse than the plain sum, and right where the model is
+    assert runs[2].rms_error < learned.runs[2].rms_error
+    (account,) = accounts
+    assert account.axis == "com.z"
+    assert account.frequency[1] == 1.0
+    assert account.observed[1] < account.plain[1]
+
+
+@pytest.mark.parametrize("harm", [False, True])
+def test_a_first_feedforward_starts_what_is_new_and_goes_if_it_harms(
+    simulator: MujocoSimulator,
+    controller: Controller,
+    database: Database,
+    learned: Learned,
+    harm: bool,
+) -> None:
+    first = replace(learned.served, kind="generalised")
+    if harm:
+        first = replace(first, weights=-first.weights)
+    notes: list[str] = []
+    runs = learn(
+        simulator,
+        controller,
+        [SQUAT],
+        database,
+        laps=2,
+        first=first,
+        on_run=lambda _, remarks: notes.extend(remarks),
+    )
+    if harm:
+        assert runs[0].feedforward.kind == "none"
+        assert any("dropped" in note for note in notes)
+    else:
+        assert runs[0].feedforward.kind == "generalised"
+        assert runs[0].rms_error < 0.2 * learned.runs[0].rms_error
+        assert notes == []
+    assert runs[1].feedforward.kind == "learned"
+    # an entry that exists is continued with what it has
+    on = learn(simulator, controller, [SQUAT], database, laps=2, first=first)
+    assert on[0].feedforward.kind == "learned"

@@ -29,10 +29,13 @@ from tsd_casadi.messages import (
     QuantityMessage,
     RecordMessage,
     RecordReply,
+    SuggestionMessage,
     json_schema,
 )
+from tsd_casadi.messages.center_of_mass import CenterOfMassMessage
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.recording import Context, Recording, TaskKey
+from tsd_casadi.suggestion import Suggestion
 
 KEY = TaskKey.of("hermes_lower", "squat", ("com.z",), {"amplitude": 0.03, "frequency": 0.25})
 CONTEXT = Context("00ff", "abcd", {"P": [50.0], "D": [14.0]}, "0.1.0")
@@ -67,7 +70,10 @@ def a_recording(seed: int = 0) -> Recording:
         key=KEY,
         basis=basis,
         applied=rng.normal(size=(1, 5)),
-        laps=[Lap(PHASE + rng.normal(), rng.normal(size=(1, 20))) for _ in range(2)],
+        laps=[
+            Lap(PHASE + rng.normal(), rng.normal(size=(1, 20))),
+            Lap(PHASE + rng.normal(), *rng.normal(size=(3, 1, 20))),
+        ],
         errors={"rms_error_m": 1e-3, "ac_rms_error_m": 1e-4},
         context=CONTEXT,
         rule="plain",
@@ -97,6 +103,8 @@ def an_info(controller: Controller) -> InfoMessage:
 FEEDFORWARD = FeedforwardMessage.of("hermes_lower", "squat", a_feedforward())
 RECORD = RecordMessage.of(a_recording())
 ENTRY = EntryMessage.of(an_entry())
+PLACE = Suggestion({"amplitude": 0.05, "frequency": 0.4, "height": -0.02}, 0.03)
+SUGGESTION = SuggestionMessage.of("hermes_lower", "squat", PLACE)
 SAMPLES: list[Message] = [
     ErrorMessage.of(EntryNotFound('nothing ä "quoted"')),
     QuantityMessage(value=0.05, unit="m"),
@@ -109,6 +117,15 @@ SAMPLES: list[Message] = [
     RecordReply(entry=ENTRY, notes=["worse"]),
     DatabaseReply(database="/tmp/d.sqlite", entries=[ENTRY]),
     DatabaseReply(database="/tmp/d.sqlite", entries=[ENTRY], forgotten=ENTRY),
+    SUGGESTION,
+    SuggestionMessage.of("hermes_lower", "squat", replace(PLACE, standard_deviation=None)),
+    CenterOfMassMessage(
+        robot="hermes_lower",
+        fingerprint="0123456789abcdef",
+        links=("B_TR",),
+        terms=[[0.1, 0.0, -0.2]],
+        covariance=np.diag([1e-6, 2e-6, 3e-6]).tolist(),
+    ),
 ]
 CLASSES = [
     ErrorMessage,
@@ -123,6 +140,8 @@ CLASSES = [
     EntryMessage,
     RecordReply,
     DatabaseReply,
+    SuggestionMessage,
+    CenterOfMassMessage,
 ]
 
 
@@ -138,6 +157,18 @@ def changed(message: Message, path: str, value: Any) -> bytes:
 
 
 # round trips
+
+
+def test_what_iterations_leave_comes_back_as_it_was() -> None:
+    made, entry = a_recording(), an_entry()
+    wave = np.sin(PHASE)[None, :]
+    laps = [Lap(PHASE, wave, wave / 100, wave / 20)]
+    entry.add(replace(made, laps=laps, rule="stable", update=True, restart=False))
+    message = EntryMessage.of(entry)
+    assert len(message.contractions) == 1
+    assert None in message.contractions[0].observed
+    assert EntryMessage.decode(message.encode()).contractions == entry.contractions
+    assert ENTRY.contractions == ()
 
 
 def test_every_message_class_is_tested_here() -> None:
@@ -201,6 +232,10 @@ def test_a_recording_is_exact_over_json(seed: int) -> None:
     for one, other in zip(found.laps, recording.laps, strict=True):
         np.testing.assert_array_equal(one.phase, other.phase)
         np.testing.assert_array_equal(one.feedback, other.feedback)
+        assert (one.error is None) == (other.error is None)
+        if other.error is not None:
+            np.testing.assert_array_equal(one.error, other.error)
+            np.testing.assert_array_equal(one.reference, other.reference)
     assert found.key == KEY
     for name in ("basis", "errors", "context", "rule", "update", "restart"):
         assert getattr(found, name) == getattr(recording, name)
@@ -244,7 +279,7 @@ def test_samples_rebuilt_from_the_json_alone_are_the_feedforward(seed: int, phas
     psi = bumps / bumps.sum(axis=1, keepdims=True)
     samples = np.array(document["weights"]) @ psi.T
     np.testing.assert_allclose(samples, feedforward.mean(phases), rtol=0, atol=1e-12)
-    deviations = np.sqrt(np.array(document["standard_deviations"]) ** 2 @ (psi**2).T)
+    deviations = np.array(document["standard_deviations"]) @ psi.T
     np.testing.assert_allclose(deviations, feedforward.std(phases), rtol=0, atol=1e-12)
 
 
@@ -301,6 +336,8 @@ MALFORMED: dict[str, tuple[Message, str, Any]] = {
         (RECORD, "laps.1.phase", [[0.0] * 9, [], None]),
         (RECORD, "laps.1.phase.4", [math.nan, math.inf, None]),
         (RECORD, "laps.0.feedback.0.7", [math.nan, -math.inf, None, 1e10]),
+        (RECORD, "laps.1.error.0.7", [math.nan, -math.inf, None, 1e10]),
+        (RECORD, "laps.1.reference", [1.0, [1.0], {}]),
         (RECORD, "errors", [None, [], {"rms_error_m": math.nan}]),
         (RECORD, "errors.rms_error_m", [math.nan, math.inf, None, "x"]),
         (RECORD, "context", [None, {}, {"formulation": "x"}]),
@@ -314,6 +351,10 @@ MALFORMED: dict[str, tuple[Message, str, Any]] = {
         (RECORD, "more", [1]),
         (ENTRY, "iterations.0", [None, [1], [1, {}, 2], ["x", None]]),
         (ENTRY, "rule", ["reckless"]),
+        (SUGGESTION, "format", ["tsd.suggestion/2", None]),
+        (SUGGESTION, "parameters.height", [None, 0.0, {"value": math.nan, "unit": "m"}]),
+        (SUGGESTION, "standard_deviation", [math.nan, -1.0, "x"]),
+        (SUGGESTION, "unit", ["m"]),
     ]
     for value in values
 }
@@ -359,6 +400,8 @@ SHAPES: dict[str, tuple[Message, str, Any]] = {
     "centres elsewhere": (FEEDFORWARD, "basis.centres.3", 1.0),
     "another L": (FEEDFORWARD, "basis.L", 24),
     "a lap's feedback too short": (RECORD, "laps.0.feedback.0", [0.0] * 19),
+    "a lap's error too short": (RECORD, "laps.1.error.0", [0.0] * 19),
+    "a lap's reference too wide": (RECORD, "laps.1.reference", [[0.0] * 20] * 2),
     "a lap's feedback too wide": (RECORD, "laps.0.feedback", [[0.0] * 20] * 2),
     "applied too short": (RECORD, "applied.0", [0.0] * 4),
     "applied too wide": (RECORD, "applied", [[0.0] * 5] * 2),
@@ -488,10 +531,27 @@ def test_nan_is_refused_everywhere(message: Message, path: str) -> None:
         type(message).decode(changed(message, path, value))
 
 
+def test_a_suggestion_comes_back_as_it_was() -> None:
+    assert SuggestionMessage.decode(SUGGESTION.encode()).suggestion() == PLACE
+    document = json.loads(SUGGESTION.encode())
+    assert document["parameters"]["height"] == {"value": -0.02, "unit": "m"}
+    assert document["unit"] == "m/s^2"
+
+
 def test_a_parameter_in_another_unit_is_refused() -> None:
     message = FeedforwardMessage.decode(changed(FEEDFORWARD, "parameters.amplitude.unit", "cm"))
-    with pytest.raises(MalformedMessage):
+    with pytest.raises(MalformedMessage, match=r"amplitude of a squat in 'cm'"):
         message.feedforward()
+    place = SuggestionMessage.decode(changed(SUGGESTION, "parameters.frequency.unit", "rad/s"))
+    with pytest.raises(MalformedMessage, match=r"frequency of a squat in 'rad/s'"):
+        place.suggestion()
+
+
+def test_parameters_of_a_motion_of_somebodys_own_have_no_unit() -> None:
+    feedforward = replace(a_feedforward(), parameters={"depth": 1.0})
+    message = FeedforwardMessage.of("r", "bow", feedforward)
+    assert message.parameters["depth"] == QuantityMessage(value=1.0, unit="")
+    assert FeedforwardMessage.decode(message.encode()).feedforward().parameters == {"depth": 1.0}
 
 
 def test_negative_standard_deviations_are_refused() -> None:

@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from tsd_casadi import Robot, load_robot
-from tsd_casadi.exceptions import RobotFileError, TsdError, UnknownRobot
+from tsd_casadi.exceptions import InvalidValue, RobotFileError, TsdError, UnknownRobot
 
 WriteRobot = Callable[..., Path]
 
@@ -170,6 +170,69 @@ def test_home_is_at_rest_with_flat_soles_on_the_ground(robot: Robot) -> None:
         sole = data.oMf[robot.model.getFrameId(contact.frame)]
         assert sole.translation[2] == pytest.approx(0, abs=1e-6)
         np.testing.assert_allclose(sole.rotation[:, 2], [0, 0, 1], atol=1e-6)
+
+
+def test_tall_has_its_knees_at_one_radian_and_flat_soles(robot: Robot) -> None:
+    tall = robot.posture("tall")
+    assert not tall.v.any()
+    for joint in ("L_KFE", "R_KFE"):
+        assert tall.q[7 + robot.joint_names.index(joint)] == 1.0
+    for sole in robot.sole_placements(tall.q):
+        assert sole.translation[2] == pytest.approx(0, abs=1e-4)
+        np.testing.assert_allclose(sole.rotation[:, 2], [0, 0, 1], atol=1e-4)
+    # higher than home, in balance, upright
+    assert robot.center_of_mass(tall.q)[2] > robot.home_com[2] + 0.04
+    for contact, sole in zip(
+        robot.description.contacts, robot.sole_placements(tall.q), strict=True
+    ):
+        assert contact.x[0] < robot.center_of_mass(tall.q)[0] - sole.translation[0] < contact.x[1]
+    np.testing.assert_array_equal(tall.q[3:7], [0, 0, 0, 1])
+
+
+def test_home_is_a_posture_too(robot: Robot) -> None:
+    assert robot.posture("home") is robot.home
+
+
+@pytest.mark.parametrize("name", ["small", "", "Tall", "HOME"])
+def test_unknown_postures_are_refused_with_the_known_ones(robot: Robot, name: str) -> None:
+    with pytest.raises(InvalidValue, match=f"posture is '{name}', expected one of home, tall"):
+        robot.posture(name)
+
+
+@pytest.mark.parametrize(
+    ("change", "field", "told"),
+    [
+        ({"L_ELBOW": 0.1}, "postures.tall.L_ELBOW", "L_KFE"),
+        ({"L_KFE": 2.5}, "postures.tall.L_KFE", "from 0 to 2.4 rad"),
+        ({"R_KFE": 1.1}, "postures.tall", "flat"),
+    ],
+    ids=["unknown joint", "out of limits", "not flat"],
+)
+def test_other_postures_are_checked_like_home(
+    write_robot: WriteRobot, change: dict[str, float], field: str, told: str
+) -> None:
+    error = error_of(write_robot(lambda document: document["postures"]["tall"].update(change)))
+    assert error.field == field
+    assert told in error.expected
+
+
+def test_put_on_ground_moves_the_base_up_and_down_only(robot: Robot) -> None:
+    q = robot.home.q.copy()
+    q[:3] = 0.3, -0.2, 5.0
+    q[7 + robot.joint_names.index("L_KFE")] += 0.2
+    before, grounded = q.copy(), robot.put_on_ground(q)
+    np.testing.assert_array_equal(q, before)
+    assert set(np.flatnonzero(grounded != q)) == {2}
+    heights = [sole.translation[2] for sole in robot.sole_placements(grounded)]
+    assert heights[0] == pytest.approx(-heights[1], abs=1e-12)
+    assert abs(heights[0]) > 1e-3
+
+
+def test_soles_are_placed_like_any_frame(robot: Robot) -> None:
+    q = pinocchio.randomConfiguration(robot.model, -np.ones(robot.nq), np.ones(robot.nq))
+    for contact, sole in zip(robot.description.contacts, robot.sole_placements(q), strict=True):
+        position, _ = robot.frame_placement(contact.frame, q)
+        np.testing.assert_allclose(sole.translation, position, atol=1e-12)
 
 
 def test_home_balances_over_the_soles(robot: Robot) -> None:

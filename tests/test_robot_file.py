@@ -9,7 +9,7 @@ import pytest
 
 from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import RobotFileError
-from tsd_casadi.robot_file import read_robot_file
+from tsd_casadi.robot_file import HardwareFile, read_robot_file
 
 Edit = Callable[[Any], object]
 WriteRobot = Callable[..., Path]
@@ -83,6 +83,35 @@ BROKEN: dict[str, tuple[Edit, str, str]] = {
     "task named as a contact": (put("tasks", 1, "name", "left_foot"), "tasks", "'left_foot'"),
     "name with a dot": (put("tasks", 1, "name", "torso.1"), "tasks.1.name", "match pattern"),
     "name with a slash": (put("name", "a/b"), "name", "match pattern"),
+    "text in a posture": (
+        put("postures", "tall", "L_KFE", "bent"),
+        "postures.tall.L_KFE",
+        "number",
+    ),
+    "NaN in a posture": (put("postures", "tall", "L_KFE", math.nan), "postures.tall.L_KFE", "fini"),
+    "a posture named home": (put("postures", "home", {}), "postures.home", "another name"),
+    "a posture with a slash": (put("postures", "a/b", {}), "postures.a/b", "match pattern"),
+    "missing friction of a joint": (
+        drop("hardware", "coulomb_friction"),
+        "hardware.coulomb_friction",
+        "is missing",
+    ),
+    "misspelt hardware": (put("hardware", "inertia", 0.1), "hardware.inertia", "misspelling"),
+    **{
+        f"negative {name}": (put("hardware", name, -1e-9), f"hardware.{name}", "than or equal to 0")
+        for name in HardwareFile.model_fields
+    },
+    "infinite lag": (put("hardware", "torque_lag", math.inf), "hardware.torque_lag", "finite"),
+    "heights without home": (
+        put("motions", "squat", "height", [0.01, 0.05]),
+        "motions.squat.height",
+        "a range that holds 0, home",
+    ),
+    "swapped heights": (
+        put("motions", "squat", "height", [0.05, -0.05]),
+        "motions.squat.height",
+        "a range that holds 0, home",
+    ),
     "squat on no task": (put("motions", "squat", "task", "x"), "motions.squat.task", "com"),
     "squat on a frame": (put("motions", "squat", "task", "torso"), "motions.squat.task", "com"),
     "squat without z": (put("tasks", 0, "axes", ["x", "y"]), "motions.squat.task", "none"),
@@ -164,6 +193,22 @@ def test_axes_default_to_all(write_robot: WriteRobot) -> None:
     description = read_robot_file(write_robot(drop("tasks", 1, "axes")))
     assert description.tasks[0].axes == ("x", "y", "z")
     assert description.tasks[1].axes == ("x", "y", "z", "rx", "ry", "rz")
+
+
+def test_optional_sections_may_be_left_out(write_robot: WriteRobot) -> None:
+    def leave_out(document: Any) -> None:
+        del document["postures"], document["hardware"], document["motions"]["squat"]["height"]
+
+    description = read_robot_file(write_robot(leave_out))
+    assert description.postures == {}
+    assert description.hardware is None
+    # at home only
+    assert description.motions.squat.height == (0.0, 0.0)
+
+
+def test_hardware_without_any_effect_is_allowed(write_robot: WriteRobot) -> None:
+    none = dict.fromkeys(HardwareFile.model_fields, 0.0)
+    assert read_robot_file(write_robot(put("hardware", none))).hardware == HardwareFile(**none)
 
 
 def test_numbers_with_a_bare_exponent_are_numbers(write_robot: WriteRobot) -> None:

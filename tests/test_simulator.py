@@ -19,7 +19,10 @@ from tsd_casadi.exceptions import InvalidValue, ParityError, RobotFileError, Sim
 from tsd_casadi.laps import first_steady_lap
 from tsd_casadi.tick_format import Status, TickFormat
 from tsd_clients import MujocoSimulator, Run
-from tsd_clients.repetition import EXTRA_LAPS, HOLD, TIMESTEP
+from tsd_clients.disturbances import Disturbance, Push
+from tsd_clients.hardware import EFFECTS
+from tsd_clients.mujoco_state import StateMap
+from tsd_clients.repetition import EXTRA_LAPS, HOLD, TIMESTEP, Gains
 from tsd_clients.run import LOG_UNITS
 from tsd_clients.simulator import START_NOISE
 
@@ -79,7 +82,7 @@ def run(simulator: MujocoSimulator, controller: Controller) -> Run:
 
 @pytest.fixture(scope="module")
 def fed_run(simulator: MujocoSimulator, controller: Controller, a_feedforward: Feedforward) -> Run:
-    return simulator.run(controller, SQUAT, laps=2, feedforward=a_feedforward, p_scale=0.5)
+    return simulator.run(controller, SQUAT, laps=2, feedforward=a_feedforward, gains=Gains(P=0.5))
 
 
 @pytest.fixture(scope="module")
@@ -148,26 +151,130 @@ def test_a_scene_that_cannot_be_loaded_is_refused(
 def test_starts_at_home_with_soles_on_the_ground_on_average(
     simulator: MujocoSimulator, robot: Robot
 ) -> None:
-    data = simulator.start(seed=4)
-    state = simulator.state_map.read(data)
+    state = simulator.start(robot.home, seed=4)
     offset = state.q[7:] - robot.home.q[7:]
     assert 0.5 * START_NOISE < np.abs(offset).max() <= START_NOISE
     assert not state.v.any()
     np.testing.assert_array_equal(state.q[[0, 1, 3, 4, 5, 6]], robot.home.q[[0, 1, 3, 4, 5, 6]])
     heights = [robot.frame_placement(sole, state.q)[0][2] for sole in ("L_sole", "R_sole")]
     assert np.mean(heights) == pytest.approx(0, abs=1e-12)
-    # kinematics are up to date
-    com = pinocchio.centerOfMass(robot.model, robot.model.createData(), state.q)
-    np.testing.assert_allclose(data.subtree_com[simulator.state_map.base_body], com, atol=1e-9)
 
 
-def test_start_depends_on_the_seed_only(simulator: MujocoSimulator) -> None:
-    one, again, other = (simulator.start(seed).qpos.copy() for seed in (1, 1, 2))
+def test_start_depends_on_the_seed_only(simulator: MujocoSimulator, robot: Robot) -> None:
+    one, again, other = (simulator.start(robot.home, seed).q for seed in (1, 1, 2))
     np.testing.assert_array_equal(one, again)
     assert np.abs(one - other).max() > 1e-5
 
 
 # a run
+
+
+def test_squats_about_another_height(simulator: MujocoSimulator, controller: Controller) -> None:
+    run = simulator.run(controller, Squat(0.01, 1.0, height=0.05), laps=2)
+    assert run.steady
+    assert run.failures == {}
+    assert run.log["reference"][0] == pytest.approx(simulator.robot.home_com[2] + 0.05, abs=1e-9)
+    # the robot, not only the reference, is up there
+    height = run.log["reference"] - run.log["true_error"]
+    assert height[run.log["measured"]].mean() == pytest.approx(run.log["reference"][0], abs=0.03)
+    data = simulator.robot.model.createData()
+    q = run.log["q"][HOLD_TICKS - 1].astype(float)
+    assert pinocchio.centerOfMass(simulator.robot.model, data, q)[2] == pytest.approx(
+        height[HOLD_TICKS - 1], abs=1e-6
+    )
+    knee = 7 + simulator.robot.joint_names.index("L_KFE")
+    assert q[knee] < simulator.robot.home.q[knee] - 0.2
+
+
+@pytest.mark.parametrize("height", [-0.05, 0.06])
+def test_the_ends_of_the_height_range_are_steady(
+    simulator: MujocoSimulator, controller: Controller, height: float
+) -> None:
+    run = simulator.run(controller, Squat(0.02, 1.0, height), laps=2)
+    assert (run.steady, run.fell, run.failures) == (True, False, {})
+
+
+# hardware
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_each_hardware_effect_alone_is_steady(
+    robot: Robot, controller: Controller, effect: str
+) -> None:
+    run = MujocoSimulator(robot, 0.1, [effect]).run(controller, SQUAT, laps=2)
+    assert (run.steady, run.fell, run.failures) == (True, False, {})
+    assert run.settings["hardware"] == [effect]
+    without = MujocoSimulator(robot, 0.1).run(controller, SQUAT, laps=2)
+    assert run.rms_error != without.rms_error
+    assert run.rms_error == pytest.approx(without.rms_error, rel=0.5)
+
+
+@pytest.fixture(scope="module")
+def hard_run(robot: Robot, controller: Controller) -> Run:
+    simulator = MujocoSimulator(robot, 0.1, ["all"])
+    return simulator.run(controller, Squat(0.02, 0.5), laps=2)
+
+
+def test_all_hardware_together_is_steady(hard_run: Run) -> None:
+    assert (hard_run.steady, hard_run.fell, hard_run.failures) == (True, False, {})
+    assert hard_run.settings["hardware"] == list(EFFECTS)
+    # feet on a rigid floor: the sensors are good enough to know the robot's error by
+    assert hard_run.true_rms_error == pytest.approx(hard_run.rms_error, rel=0.01)
+
+
+def test_hardware_leaves_an_error_that_changes_within_a_lap(
+    robot: Robot, controller: Controller, hard_run: Run
+) -> None:
+    # friction turns with the velocity, an offset does not
+    bodies = MujocoSimulator(robot, 0.1).run(controller, Squat(0.02, 0.5), laps=2)
+    assert hard_run.ac_rms_error > 5 * bodies.ac_rms_error
+
+
+def test_the_records_keep_the_true_state_and_the_command(
+    hard_run: Run, robot: Robot, controller: Controller
+) -> None:
+    assert (np.abs(hard_run.log["tau"]) <= robot.torque_limit).all()
+    data = robot.model.createData()
+    tick = hard_run.ticks // 2
+    com = pinocchio.centerOfMass(robot.model, data, hard_run.log["q"][tick].astype(float))
+    height = hard_run.log["reference"][tick] - hard_run.log["true_error"][tick]
+    assert com[2] == pytest.approx(height, abs=1e-6)
+
+
+def test_runs_with_noisy_sensors_depend_on_the_seed_only(
+    robot: Robot, controller: Controller
+) -> None:
+    simulator = MujocoSimulator(robot, 0.1, ["noise", "differencing"])
+    one, again, other = (
+        simulator.run(controller, SQUAT, laps=2, seed=seed).log["error"] for seed in (1, 1, 2)
+    )
+    np.testing.assert_array_equal(one, again)
+    size = min(len(one), len(other))
+    assert (one[:size] != other[:size]).mean() > 0.9
+
+
+def test_unknown_hardware_is_refused(robot: Robot) -> None:
+    with pytest.raises(InvalidValue, match="hardware is rust"):
+        MujocoSimulator(robot, hardware=["rust"])
+
+
+# disturbances
+
+
+def test_a_push_throws_off_the_error_and_is_recovered_from(
+    simulator: MujocoSimulator, controller: Controller, run: Run
+) -> None:
+    push = Push(start=HOLD + 0.5, duration=0.05, impulse=(0.0, 0.0, -20.0))
+    pushed = simulator.run(controller, SQUAT, laps=3, disturbances=[push])
+    assert not pushed.fell
+    off = np.abs(pushed.log["error"][: run.ticks] - run.log["error"])
+    first = HOLD_TICKS + 500
+    assert not off[: first + 1].any()
+    assert off[first : first + 200].max() > 5e-3
+    assert off[HOLD_TICKS + 2 * LAP_TICKS : HOLD_TICKS + 3 * LAP_TICKS].max() < 1e-3
+
+
+# repeating
 
 
 def test_runs_with_the_same_seed_are_identical(
@@ -253,12 +360,33 @@ def test_feedforward_is_that_of_the_phase_and_constant_while_holding(
     assert np.ptp(fed_run.log["feedforward"]) > 0.05
 
 
-def test_p_scale_multiplies_p_and_only_p(fed_run: Run, run: Run, controller: Controller) -> None:
+def test_a_factor_on_p_multiplies_p_and_only_p(
+    fed_run: Run, run: Run, controller: Controller
+) -> None:
     for field in ("P", "D", "W"):
         default = controller.command()[f"com.{field}"]
         np.testing.assert_array_equal(run.gains[field], default)
         factor = 0.5 if field == "P" else 1.0
         np.testing.assert_array_equal(fed_run.gains[field], factor * default)
+
+
+def test_both_gains_reach_the_controller_and_no_other_task(
+    simulator: MujocoSimulator, controller: Controller
+) -> None:
+    seen: list[Command] = []
+
+    class Watched(Stub):
+        def tick(self, state: State, command: Command) -> Tick:
+            seen.append(command.copy())
+            return super().tick(state, command)
+
+    limp_one = Watched(controller, lambda number, tick: None, solve=False)
+    simulator.run(limp_one, SQUAT, laps=2, gains=Gains(P=0.5, D=2.0))
+    default, given = controller.command(), seen[0]
+    np.testing.assert_array_equal(given["com.P"], 0.5 * default["com.P"])
+    np.testing.assert_array_equal(given["com.D"], 2.0 * default["com.D"])
+    for name in ("com.W", "pelvis.P", "torso.D", "posture.P"):
+        np.testing.assert_array_equal(given[name], default[name])
 
 
 def test_feedforward_takes_the_error_off(fed_run: Run, run: Run) -> None:
@@ -270,8 +398,10 @@ def test_settings_and_feedforward_are_kept(
     simulator: MujocoSimulator, fed_run: Run, a_feedforward: Feedforward
 ) -> None:
     assert fed_run.settings == {
-        "model_error": simulator.model_error,
+        "model_error": 0.1,
+        "hardware": [],
         "p_scale": 0.5,
+        "d_scale": 1.0,
         "transport": "local",
         "seed": 0,
     }
@@ -458,12 +588,9 @@ def test_a_feedforward_for_other_axes_is_refused(
     [
         (Squat(5.0, 0.25), {}, "amplitude"),
         (Squat(0.01, 3.0), {}, "frequency"),
+        (Squat(0.01, 1.0, 0.5), {}, "height"),
         (SQUAT, {"laps": 1}, "laps"),
         (SQUAT, {"laps": 0}, "laps"),
-        (SQUAT, {"p_scale": 0.0}, "p scale"),
-        (SQUAT, {"p_scale": -1.0}, "p scale"),
-        (SQUAT, {"p_scale": np.nan}, "p scale"),
-        (SQUAT, {"p_scale": 101.0}, "p scale"),
     ],
 )
 def test_settings_out_of_range_are_refused_before_the_first_tick(
@@ -494,23 +621,35 @@ def test_a_controllers_error_is_passed_on(
 
 
 def test_a_simulation_that_blows_up_is_not_silently_started_again(
-    robot: Robot,
-    controller: Controller,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    robot: Robot, controller: Controller, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)  # MuJoCo writes MUJOCO_LOG.TXT here
-    simulator = MujocoSimulator(robot)
-    data, start = [], simulator.start
-    monkeypatch.setattr(simulator, "start", lambda seed: data.append(start(seed)) or data[0])
 
-    def blow_up(number: int, tick: Tick) -> None:
-        if number == 300:
-            data[0].qvel[8] = 1e12
+    class BlowUp(Disturbance):
+        def apply(self, data: Any, state_map: StateMap, time: float) -> None:
+            if time > 0.2995:
+                data.qvel[8] = 1e12
 
-    run = simulator.run(Stub(controller, blow_up), SQUAT, laps=2)
+    run = MujocoSimulator(robot).run(controller, SQUAT, laps=2, disturbances=[BlowUp()])
     assert run.fell
     assert run.ticks <= 302
+
+
+@pytest.mark.parametrize("factor", [0.0, -1.0, np.nan, np.inf, 101.0])
+def test_factors_on_gains_out_of_range_are_refused(factor: float) -> None:
+    for make, field in (
+        (lambda: Gains(P=factor), "p scale"),
+        (lambda: Gains(D=factor), "d scale"),
+        (lambda: Gains.critical(factor), "p scale"),
+    ):
+        with pytest.raises(InvalidValue) as caught:
+            make()
+        assert caught.value.field == field
+
+
+def test_critical_gains_keep_the_damping_ratio() -> None:
+    gains = Gains.critical(4.0)
+    assert (gains.P, gains.D) == (4.0, 2.0)
 
 
 def test_a_fallen_run_does_not_look_perfect(fallen: Run) -> None:

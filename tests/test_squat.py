@@ -82,8 +82,9 @@ def test_never_leaves_the_amplitude(elapsed: float, amplitude: float) -> None:
 
 
 def test_parameters_name_task_and_axis(robot: tsd.Robot) -> None:
-    squat = Squat(amplitude=0.03, frequency=0.25)
-    assert squat.parameters == {"amplitude": 0.03, "frequency": 0.25}
+    squat = Squat(amplitude=0.03, frequency=0.25, height=-0.02)
+    assert squat.parameters == {"amplitude": 0.03, "frequency": 0.25, "height": -0.02}
+    assert Squat(0.03, 0.25).parameters["height"] == 0.0
     assert (squat.name, squat.axis, squat.task(robot)) == ("squat", "z", "com")
 
 
@@ -117,3 +118,22 @@ def test_frequency_out_of_range_is_refused(robot: tsd.Robot, frequency: float) -
         Squat(0.03, frequency).check(robot)
     assert caught.value.field == "frequency"
     assert "did you mean" not in str(caught.value)
+
+
+@pytest.mark.parametrize("height", [-0.05, -0.02, 0.0, 0.06])
+def test_the_middle_is_that_much_above_home(robot: tsd.Robot, height: float) -> None:
+    squat = Squat(0.03, 0.25, height)
+    squat.check(robot)
+    middle = squat.middle(robot)
+    raised = robot.center_of_mass(middle.q) - robot.home_com
+    np.testing.assert_allclose(raised, [0, 0, height], atol=1e-9)
+    assert not middle.v.any()
+    # the reference is relative to it
+    assert squat.reference(8.0) == Squat(0.03, 0.25).reference(8.0)
+
+
+@pytest.mark.parametrize("height", [-0.051, 0.061, math.nan, math.inf])
+def test_height_out_of_range_is_refused(robot: tsd.Robot, height: float) -> None:
+    with pytest.raises(InvalidValue, match=r"-0\.05 to 0\.06 m for hermes_lower") as caught:
+        Squat(0.03, 0.25, height).check(robot)
+    assert caught.value.field == "height"

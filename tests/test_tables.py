@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from tsd_casadi.contraction import Contraction
 from tsd_casadi.messages import DatabaseReply, EntryMessage, QuantityMessage
 from tsd_clients import tables
 
@@ -92,3 +93,58 @@ def test_entries_are_listed_with_what_is_served_and_how_good_it_is() -> None:
     text = " ".join(printed(lambda: tables.print_entries(reply)).split())
     for part in ("served", "1.5000", "0.2500", "untested"):
         assert part in text
+
+
+def test_places_are_shown_with_units_and_what_was_known_before() -> None:
+    places = [
+        {
+            "parameters": {"amplitude": 0.05, "frequency": 0.4, "height": -0.01},
+            "standard_deviation": None,
+            "rms_errors_m": [],
+        },
+        {
+            "parameters": {"amplitude": 0.08, "frequency": 0.6, "height": 0.0},
+            "standard_deviation": 0.0123,
+            "rms_errors_m": [0.015, 0.002, 0.0005],
+        },
+    ]
+    lines = printed(lambda: tables.print_places("squat", places)).splitlines()
+    (first,) = [" ".join(line.split()) for line in lines if "-0.01 m" in line]
+    (second,) = [" ".join(line.split()) for line in lines if "0.08 m" in line]
+    assert first == "1 amplitude 0.05 m, frequency 0.4 Hz, height -0.01 m - - -"
+    assert second == "2 amplitude 0.08 m, frequency 0.6 Hz, height 0 m 0.0123 15.0000 0.5000"
+
+
+def test_the_table_of_entries_fits_whole() -> None:
+    parameters = {
+        "amplitude": QuantityMessage(value=0.0365, unit="m"),
+        "frequency": QuantityMessage(value=0.207, unit="Hz"),
+        "height": QuantityMessage(value=-0.025, unit="m"),
+    }
+    entry = an_entry(0).model_copy(update={"parameters": parameters})
+    reply = DatabaseReply(database="/tmp/d.sqlite", entries=[entry])
+    text = printed(lambda: tables.print_entries(reply))
+    assert "amplitude 0.0365 m, frequency 0.207 Hz, height -0.025 m" in text
+    assert "…" not in text
+
+
+def test_contraction_is_shown_by_harmonic() -> None:
+    account = Contraction(
+        axis="com.z",
+        frequency=(0.0, 0.5, 1.0),
+        plain=(0.0, 0.4, 1.2),
+        predicted=(0.0, 0.1, None),
+        observed=(0.02, None, 0.97),
+        lead=0.012,
+        bandwidth=0.5,
+        gain=0.95,
+        gain_deviation=0.04,
+        delay=0.012,
+        delay_deviation=0.003,
+    )
+    text = printed(lambda: tables.print_contractions("squat", {"amplitude": 0.03}, [account]))
+    for part in ("com.z", "amplitude 0.03 m", "0.95 ± 0.04", "12.0 ± 3.0 ms", "bandwidth 0.5 Hz"):
+        assert part in text
+    rows = [line.split() for line in text.splitlines()]
+    assert ["1", "0.5", "0.40", "0.10", "-"] in rows
+    assert ["2", "1", "1.20", "-", "0.97"] in rows

@@ -1,0 +1,31 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from matplotlib import pyplot as plt
+
+from tsd_clients.reproduction.bootstrapping import Bootstrapping
+from tsd_clients.reproduction.experiment import Experiment
+from tsd_clients.reproduction.jobs import Result
+
+
+def test_an_easier_squat_helps_a_hard_one(
+    finish_experiment: Callable[[Experiment], dict[str, Result]],
+) -> None:
+    experiment = Bootstrapping(quick=True)
+    done = finish_experiment(experiment)
+    section = experiment.report(done)
+    (table,) = section.tables
+    cells = {row[0]: row[1:] for row in table.rows}
+    nothing, helped = (cells[f"-30 %, from {start}, plain"] for start in ("nothing", "P = 50"))
+    assert float(helped[0]) < 0.1 * float(nothing[0])
+    # from the stored trace of the last lap, not from the run's own measure
+    arrays = done["bootstrapping--0.3-from-P50-plain"].arrays
+    error, lap = (arrays[f"iteration 0/{name}"] for name in ("error", "lap"))
+    last = np.sqrt(np.mean(error[lap == lap.max()] ** 2))
+    assert float(helped[0]) == pytest.approx(1e3 * last, rel=0.02)
+    assert all(len(row) == len(table.head) for row in table.rows)
+    for figure in section.figures:
+        plt.close(figure.draw())

@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tsd_casadi import Controller, Database, Robot, Squat, load_robot
+from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
+from tsd_casadi.center_of_mass_fit import StaticPose, fit_correction, prior_correction
+from tsd_casadi.exceptions import InvalidValue
+from tsd_clients import ModelError, MujocoSimulator, learn
+from tsd_clients.center_of_mass_shift import CenterOfMassShift
+from tsd_clients.pose_design import design_poses
+from tsd_clients.static_poses import true_center_of_mass, with_noise
+
+SQUAT = Squat(0.02, 1.0)
+
+
+@pytest.fixture(scope="module")
+def simulator(robot: Robot) -> MujocoSimulator:
+    return MujocoSimulator(robot, ModelError(per_link=0.1, seed=1))
+
+
+@pytest.fixture(scope="module")
+def correction(simulator: MujocoSimulator) -> CenterOfMassCorrection:
+    # by statics, without the simulation's minute of standing
+    robot = simulator.robot
+    weight = 9.81 * float(simulator.model.body_mass.sum())
+    poses = [
+        StaticPose(posture.q, true_center_of_mass(simulator, posture.q)[:2], weight)
+        for posture in design_poses(robot, 20)
+    ]
+    return fit_correction(robot, with_noise(poses, 5e-4))
+
+
+def test_learning_takes_away_the_true_error(
+    simulator: MujocoSimulator,
+    controller: Controller,
+    correction: CenterOfMassCorrection,
+    tmp_path: Path,
+) -> None:
+    errors = {}
+    for name, corrections in (("without", []), ("with", [CenterOfMassShift(correction)])):
+        database = Database(tmp_path / f"{name}.sqlite")
+        runs = learn(simulator, controller, [SQUAT], database, laps=2, corrections=corrections)
+        errors[name] = runs[-1].true_rms_error
+        # what the controller sees is small either way
+        assert runs[-1].rms_error < 0.1 * runs[0].rms_error
+    assert errors["without"] > 5e-3
+    assert errors["with"] < 0.2 * errors["without"]
+
+
+def test_the_controllers_error_is_that_of_the_corrected_centre_of_mass(
+    simulator: MujocoSimulator, controller: Controller, correction: CenterOfMassCorrection
+) -> None:
+    run = simulator.run(controller, SQUAT, laps=2, corrections=[CenterOfMassShift(correction)])
+    for tick in range(0, run.ticks, 300):
+        height = correction.center_of_mass(run.log["q"][tick].astype(float))[2]
+        expected = run.log["reference"][tick] - height
+        assert run.log["error"][tick] == pytest.approx(expected, abs=1e-6)
+    # and the feedback's rate that of its error
+    rate = np.gradient(run.log["error"], 1e-3)
+    feedback = run.gains["P"][2] * run.log["error"] + run.gains["D"][2] * rate
+    late = slice(1500, run.ticks - 1)
+    np.testing.assert_allclose(run.log["feedback"][late], feedback[late], atol=0.01)
+
+
+def test_a_correction_that_knows_nothing_changes_nothing(
+    simulator: MujocoSimulator, controller: Controller, robot: Robot
+) -> None:
+    nothing = prior_correction(robot)
+    plain = simulator.run(controller, SQUAT, laps=2)
+    shifted = simulator.run(controller, SQUAT, laps=2, corrections=[CenterOfMassShift(nothing)])
+    assert shifted.true_rms_error == pytest.approx(plain.true_rms_error, abs=1e-8)
+
+
+def test_another_models_correction_is_refused(
+    simulator: MujocoSimulator, controller: Controller, write_robot: Callable[..., Path]
+) -> None:
+    changed = load_robot(write_robot(lambda document: document["posture"].update(P=41.0)))
+    shift = CenterOfMassShift(prior_correction(changed))
+    with pytest.raises(InvalidValue, match="correction"):
+        simulator.run(controller, SQUAT, corrections=[shift])

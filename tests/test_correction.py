@@ -1,0 +1,260 @@
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tsd_casadi import Command, Controller, Robot, Squat, State, Tick
+from tsd_casadi.state import Vector
+from tsd_clients import MujocoSimulator, Run
+from tsd_clients.correction import Correction, Moment, Setting
+from tsd_clients.disturbances import Disturbance
+from tsd_clients.mujoco_state import StateMap
+from tsd_clients.plant import TIMESTEP
+from tsd_clients.repetition import HOLD
+
+SQUAT = Squat(amplitude=0.01, frequency=1.0)
+
+
+class Limp:
+    """A controller that answers nothing but a mark in the first torque; the robot falls."""
+
+    def __init__(self, controller: Controller) -> None:
+        self.format = controller.format
+        self._controller = controller
+        self.commands: list[Vector] = []
+
+    def command(self) -> Command:
+        return self._controller.command()
+
+    def tick(self, state: State, command: Command) -> Tick:
+        reply = np.zeros(self.format.reply.size)
+        reply[self.format.reply.slice("tau")] = 0.125
+        self.commands.append(command.request.copy())
+        return Tick(self.format, reply)
+
+    def seen(self, field: str) -> Vector:
+        """A field of the command, tick by tick."""
+        return np.array(self.commands)[:, self.format.request.slice(field)]
+
+
+class Applied(Disturbance):
+    """Remembers what the motors were told."""
+
+    def __init__(self) -> None:
+        self.torques: list[Vector] = []
+
+    def apply(self, data: Any, state_map: StateMap, time: float) -> None:
+        self.torques.append(data.ctrl[state_map.actuators].copy())
+
+
+class Diary(Correction):
+    """Notes every call."""
+
+    def __init__(self, name: str, calls: list[tuple[str, str, float]]) -> None:
+        self.name, self.calls = name, calls
+        self.settings: list[Setting] = []
+
+    def start(self, setting: Setting) -> None:
+        self.settings.append(setting)
+        self.calls.append((self.name, "start", -1.0))
+
+    def before(self, moment: Moment) -> None:
+        assert moment.tick is None
+        assert moment.tau.size == 0
+        self.calls.append((self.name, "before", moment.time))
+
+    def after(self, moment: Moment) -> None:
+        assert moment.tick is not None
+        self.calls.append((self.name, "after", moment.time))
+
+
+class Change(Correction):
+    """Adds to whatever may be changed."""
+
+    def __init__(
+        self,
+        feedforward: float = 0.0,
+        shift: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        shift_rate: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        tau: float = 0.0,
+    ) -> None:
+        self.feedforward, self.shift, self.shift_rate, self.tau = (
+            feedforward,
+            shift,
+            shift_rate,
+            tau,
+        )
+
+    def before(self, moment: Moment) -> None:
+        moment.feedforward += self.feedforward
+        moment.shift += self.shift
+        moment.shift_rate += self.shift_rate
+
+    def after(self, moment: Moment) -> None:
+        moment.tau += self.tau
+
+
+@pytest.fixture(scope="module")
+def simulator(robot: Robot) -> MujocoSimulator:
+    return MujocoSimulator(robot)
+
+
+@pytest.fixture
+def limp(controller: Controller) -> Limp:
+    return Limp(controller)
+
+
+def test_the_base_class_changes_nothing(simulator: MujocoSimulator, limp: Limp) -> None:
+    without = simulator.run(limp, SQUAT)
+    run = simulator.run(limp, SQUAT, corrections=[Correction(), Correction()])
+    for name in ("q", "tau", "reference", "feedforward", "error"):
+        np.testing.assert_array_equal(run.log[name], without.log[name])
+
+
+def test_each_is_asked_once_a_tick_in_the_order_of_the_list(
+    simulator: MujocoSimulator, limp: Limp
+) -> None:
+    calls: list[tuple[str, str, float]] = []
+    run = simulator.run(limp, SQUAT, corrections=[Diary("one", calls), Diary("other", calls)])
+    assert run.fell
+    assert run.ticks > 100
+    expected = [("one", "start", -1.0), ("other", "start", -1.0)]
+    for tick in range(run.ticks):
+        for what in ("before", "after"):
+            expected += [(name, what, TIMESTEP * tick) for name in ("one", "other")]
+    assert calls == expected
+
+
+def test_each_run_is_a_new_start(simulator: MujocoSimulator, limp: Limp, robot: Robot) -> None:
+    diary = Diary("one", [])
+    for _ in range(2):
+        simulator.run(limp, SQUAT, corrections=[diary])
+    assert len(diary.settings) == 2
+    setting = diary.settings[0]
+    assert setting.robot is robot
+    assert setting.controller is limp
+    assert (setting.task, setting.dt) == ("com", TIMESTEP)
+    assert limp.format.axes[setting.axis] == ("com", "z")
+    assert (setting.component, robot.description.tasks[0].axes[setting.component]) == (2, "z")
+
+
+def test_a_moment_tells_what_the_tick_is_about(
+    simulator: MujocoSimulator, controller: Controller
+) -> None:
+    class Remember(Correction):
+        def __init__(self) -> None:
+            self.moments: list[tuple[float, float, int, float, float]] = []
+            self.wrong: list[float] = []
+
+        def after(self, moment: Moment) -> None:
+            reference = moment.reference
+            self.moments.append(
+                (moment.time, moment.phase, moment.lap, reference.x, moment.feedforward)
+            )
+            assert moment.tick is not None
+            self.wrong.append(float(np.abs(moment.tick.tau - moment.tau).max()))
+
+    remember = Remember()
+    run = simulator.run(controller, SQUAT, laps=2, corrections=[remember])
+    time, phase, lap, x, feedforward = np.array(remember.moments).T
+    np.testing.assert_array_equal(time, run.log["time"])
+    np.testing.assert_array_equal(phase, run.log["phase"])
+    np.testing.assert_array_equal(lap, run.log["lap"])
+    np.testing.assert_allclose(x, run.log["reference"] - run.log["reference"][0], atol=1e-12)
+    assert not feedforward.any()
+    assert max(remember.wrong) == 0.0
+
+
+def test_a_shift_moves_the_reference_that_the_controller_sees(
+    simulator: MujocoSimulator, limp: Limp, robot: Robot
+) -> None:
+    simulator.run(limp, SQUAT)
+    position, velocity = limp.seen("com.reference"), limp.seen("com.reference_velocity")
+    np.testing.assert_allclose(position[0], robot.home_com, atol=1e-12)
+    limp.commands.clear()
+    changes = [
+        Change(shift=(0.01, -0.02, 0.03), shift_rate=(0.1, 0.2, 0.3)),
+        Change(shift=(0.0, 0.0, 0.005)),
+    ]
+    run = simulator.run(limp, SQUAT, corrections=changes)
+    moved = limp.seen("com.reference") - position
+    np.testing.assert_allclose(moved, np.tile([0.01, -0.02, 0.035], (run.ticks, 1)), atol=1e-12)
+    faster = limp.seen("com.reference_velocity") - velocity
+    np.testing.assert_allclose(faster, np.tile([0.1, 0.2, 0.3], (run.ticks, 1)), atol=1e-12)
+    # what was wanted of the motion stays what it was
+    np.testing.assert_allclose(run.log["reference"], robot.home_com[2], atol=1e-12)
+
+
+def test_the_robot_follows_a_shift(simulator: MujocoSimulator, controller: Controller) -> None:
+    run = simulator.run(controller, SQUAT, laps=2, corrections=[Change(shift=(0.0, 0.0, -0.01))])
+    assert run.steady
+    # the controller is content, the robot 1 cm too low
+    assert run.rms_error < 2e-4
+    late = run.log["measured"]
+    np.testing.assert_allclose(run.log["true_error"][late], 0.01, atol=5e-4)
+    np.testing.assert_allclose(
+        run.log["true_error"] - run.log["error"], 0.01, atol=1e-9, err_msg="exact model"
+    )
+
+
+def test_feedforward_adds_up_and_is_logged(simulator: MujocoSimulator, limp: Limp) -> None:
+    changes = [Change(feedforward=0.25), Change(feedforward=-0.75)]
+    run = simulator.run(limp, SQUAT, corrections=changes)
+    np.testing.assert_array_equal(run.log["feedforward"], -0.5)
+    seen = limp.seen("com.feedforward")
+    np.testing.assert_array_equal(seen[:, 2], -0.5)
+    assert not seen[:, :2].any()
+
+
+def applied_and_logged(
+    simulator: MujocoSimulator, limp: Limp, *corrections: Correction
+) -> tuple[Run, Vector]:
+    applied = Applied()
+    run = simulator.run(limp, SQUAT, corrections=corrections, disturbances=[applied])
+    return run, np.array(applied.torques)
+
+
+def test_torque_is_applied_and_logged_as_corrected(simulator: MujocoSimulator, limp: Limp) -> None:
+    run, applied = applied_and_logged(simulator, limp, Change(tau=0.5), Change(tau=0.25))
+    np.testing.assert_array_equal(applied, 0.875)
+    np.testing.assert_array_equal(run.log["tau"], 0.875)
+
+
+def test_torque_is_cut_off_at_the_limits(
+    simulator: MujocoSimulator, limp: Limp, robot: Robot
+) -> None:
+    run, applied = applied_and_logged(simulator, limp, Change(tau=-1e6))
+    np.testing.assert_array_equal(applied, np.tile(-robot.torque_limit, (run.ticks, 1)))
+    np.testing.assert_array_equal(run.log["tau"], applied)
+
+
+def test_the_answer_stays_what_the_controller_said(simulator: MujocoSimulator, limp: Limp) -> None:
+    class Check(Correction):
+        def after(self, moment: Moment) -> None:
+            assert moment.tick is not None
+            np.testing.assert_array_equal(moment.tick.tau, 0.125)
+            np.testing.assert_array_equal(moment.tau, 2.125)
+
+    run = simulator.run(limp, SQUAT, corrections=[Change(tau=2.0), Check()])
+    assert run.ticks > 0
+
+
+def test_corrections_see_the_measured_state(robot: Robot, limp: Limp) -> None:
+    class Angles(Correction):
+        def __init__(self) -> None:
+            self.q: list[Vector] = []
+
+        def before(self, moment: Moment) -> None:
+            self.q.append(moment.state.q)
+
+    angles = Angles()
+    run = MujocoSimulator(robot, hardware=["quantisation"]).run(limp, SQUAT, corrections=[angles])
+    hardware = robot.description.hardware
+    assert hardware is not None
+    steps = np.array(angles.q)[:, 7:] / hardware.encoder_resolution
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-6)
+    # the records keep the truth
+    assert 1e-6 < np.abs(run.log["q"][:, 7:] - np.array(angles.q)[:, 7:]).max() < 2e-5
+    assert run.ticks < round(HOLD / TIMESTEP)

@@ -1,0 +1,115 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tsd_casadi import Robot
+from tsd_casadi.exceptions import TsdError
+from tsd_clients.reproduction.case import Outcome
+from tsd_clients.reproduction.experiment import Done, Experiment, Section
+from tsd_clients.reproduction.jobs import Job, Store, run_jobs
+from tsd_clients.reproduction.run import run_all
+
+
+@pytest.fixture
+def store(robot: Robot, tmp_path: Path) -> Store:
+    return Store(tmp_path / "data", robot)
+
+
+@pytest.fixture
+def outcome() -> Outcome:
+    return Outcome([{"label": "replay", "rms_error_m": 0.25}], {"replay/weights": np.ones((1, 3))})
+
+
+def test_saved_outcome_is_loaded_as_it_was(store: Store, outcome: Outcome) -> None:
+    job = Job("one", "work:replay", {"case": {"amplitude": 0.03}})
+    store.save(job, outcome)
+    result = store.load(job)
+    assert result is not None
+    assert result.row("replay")["rms_error_m"] == 0.25
+    assert result.weights("replay") == [1.0, 1.0, 1.0]
+    np.testing.assert_array_equal(result.errors(), [0.25])
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        Job("one", "work:replay", {"case": {"amplitude": 0.04}}),
+        Job("one", "work:learn", {"case": {"amplitude": 0.03}}),
+        Job("one", "work:replay", {"case": {"amplitude": 0.03}}, over_network=True),
+        Job("two", "work:replay", {"case": {"amplitude": 0.03}}),
+    ],
+)
+def test_results_of_other_jobs_are_not_taken(store: Store, outcome: Outcome, other: Job) -> None:
+    store.save(Job("one", "work:replay", {"case": {"amplitude": 0.03}}), outcome)
+    assert store.load(other) is None
+
+
+@pytest.mark.parametrize("suffix", ["json", "npz"])
+@pytest.mark.parametrize("damage", ["missing", "cut"])
+def test_damaged_results_are_done_again(
+    store: Store, outcome: Outcome, suffix: str, damage: str
+) -> None:
+    job = Job("one", "work:replay")
+    store.save(job, outcome)
+    path = store.folder / f"one.{suffix}"
+    content = path.read_bytes()
+    path.unlink()
+    if damage == "cut":
+        path.write_bytes(content[: len(content) // 2])
+    assert store.load(job) is None
+
+
+def test_finished_jobs_are_not_run_again(store: Store, outcome: Outcome) -> None:
+    class Stages(Experiment):
+        name = "stages"
+
+        def jobs(self, done: Done) -> list[Job]:
+            first, second = (Job(name, "no_such_module:function") for name in ("one", "two"))
+            return [first, second] if "one" in done else [first]
+
+        def report(self, done: Done) -> Section:
+            return Section("stages", "the second is named once the first is done")
+
+    experiment = Stages(quick=True)
+    for name in ("one", "two"):
+        store.save(Job(name, "no_such_module:function"), outcome)
+    done = run_all([experiment], store)
+    assert done.keys() == {"one", "two"}
+    assert done["two"].row("replay")["rms_error_m"] == 0.25
+    (store.folder / "two.json").unlink()
+    with pytest.raises(ModuleNotFoundError, match="no_such_module"):
+        run_all([experiment], store)
+
+
+def test_a_job_runs_in_a_process_of_its_own_and_is_kept(store: Store) -> None:
+    case = {"amplitude": 0.01, "frequency": 1.0, "laps": 2, "hardware": []}
+    job = Job("replay", "work:replay", {"case": case, "weights": None, "kind": "none"}, cost=3.0)
+    seen: list[tuple[float, float]] = []
+    results = run_jobs([job], store, lambda done, total: seen.append((done, total)))
+    row: dict[str, Any] = results["replay"].row("replay")
+    assert row["amplitude_m"] == 0.01 and not row["fell"]
+    error = results["replay"].arrays["replay/error"]
+    # the trace keeps every tenth tick of the run
+    assert len(error) == -(-row["ticks"] // 10)
+    assert seen == [(0.0, 3.0), (3.0, 3.0)]
+    stored = json.loads((store.folder / "replay.json").read_text())
+    assert stored["arguments"]["case"] == case
+    assert store.load(job) is not None
+
+
+def test_errors_of_a_job_are_told(store: Store) -> None:
+    job = Job("broken", "work:replay", {"case": {"amplitude": -1.0, "hardware": []}})
+    with pytest.raises(TsdError, match="amplitude"):
+        run_jobs([job], store, lambda done, total: None)
+    assert store.load(job) is None
+
+
+def test_a_folder_that_cannot_be_made_is_refused(robot: Robot, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(TsdError, match="--out"):
+        Store(tmp_path / "file" / "data", robot)
