@@ -9,13 +9,21 @@ from tsd_casadi import endpoints, keys
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.inverse_dynamics import InverseDynamics
 from tsd_casadi.layout import Layout
-from tsd_casadi.messages import FeedforwardMessage, RecordMessage, json_schema
+from tsd_casadi.messages import (
+    FeedforwardMessage,
+    RecordMessage,
+    RecordReply,
+    SuggestionMessage,
+    json_schema,
+)
 from tsd_casadi.robot import load_robot
+from tsd_casadi.task_parameters import TASK_PARAMETERS
 from tsd_casadi.tick_format import STATUS_MEANING
 from tsd_casadi.tick_message import HEADER, HEADER_FIELDS
 
 ROBOT = "hermes_lower"
 QUERY = "?task=squat;amplitude=0.05;frequency=0.25"
+REGION = "?task=squat;amplitude=0.02:0.08;frequency=0.2:0.6"
 TARGET = Path(__file__).parent / "wire.md"
 
 
@@ -46,6 +54,20 @@ def layout_table(layout: Layout) -> str:
             f"| {HEADER.size + 8 * offset} | {offset} | {field.size} | `{field.name}` "
             f"| {field.unit} | {meaning} |"
         )
+    return "\n".join(lines)
+
+
+def parameter_table() -> str:
+    """The task parameters."""
+    lines = [
+        "| task | parameter | unit | values | if left out |",
+        "| --- | --- | --- | --- | --- |",
+    ]
+    for task, parameters in TASK_PARAMETERS.items():
+        for item in parameters:
+            default = "an error" if item.default is None else f"{item.default:g}"
+            values = "positive" if item.positive else "any"
+            lines.append(f"| {task} | `{item.name}` | {item.unit} | {values} | {default} |")
     return "\n".join(lines)
 
 
@@ -84,6 +106,7 @@ Services listen on explicit endpoints, by default `{endpoints.CONTROLLER}` (cont
 | `{keys.tick_key("<robot>")}` | torque for a state and a command | binary, below |
 | `{keys.info_key("<robot>")}` | layouts, limits, counters | JSON `tsd.info/1` |
 | `{keys.feedforward_key("<robot>")}` | `{QUERY}` | JSON `tsd.feedforward/1` |
+| `{keys.suggestion_key("<robot>")}` | `{REGION}` | JSON `tsd.suggestion/1` |
 | `{keys.record_key("<robot>")}` | takes the laps of one repetition | JSON |
 | `{keys.database_key("<robot>")}` | what is known; `?forget=N` removes entry N | JSON |
 | `{keys.alive_key("<robot>", "<role>")}` | liveliness token | none |
@@ -92,6 +115,10 @@ One learner serves every robot: its token is `{keys.alive_key("*", "learner")}`.
 query also takes `kind=learned` (the exact entry, an error without one), `kind=generalised`
 (Gaussian process regression over the other entries) and `extrapolate=true`; without `kind` the
 exact entry is taken where there is one.
+
+The task parameters of queries and recordings:
+
+{parameter_table()}
 
 An error is a Zenoh error reply with a JSON body `{{"code": ..., "message": ...}}`:
 
@@ -141,19 +168,39 @@ With the centres c_j, the width h and the weights w of a reply, the feedforward 
 
     f(phi) = sum_j w_j G_j / sum_j G_j,   G_j = exp(h (cos(phi - c_j) - 1))
 
-in m/s^2 along each of `axes`, to be added to the task's reference acceleration. JSON schema:
+in m/s^2 along each of `axes`, to be added to the task's reference acceleration. With
+`standard_deviations` in place of the weights it is the predictive standard deviation at phi. JSON
+schema:
 
 ```json
 {json_schema(FeedforwardMessage)}
 ```
 
+## The suggestion
+
+Which repetition would teach most. In the query a parameter is either a range `low:high` to choose
+from or a value. The reply names the place of the region where the feedforward is most uncertain.
+With fewer entries in the region than its middle and corners would be, that is the place farthest
+from all entries, in units of the region; without any, the middle. JSON schema:
+
+```json
+{json_schema(SuggestionMessage)}
+```
+
 ## The recording
 
-The payload of `record`: the steady laps of one repetition with the weights that were applied. The
-reply names the entry, its iterations and remarks. JSON schema:
+The payload of `record`: the steady laps of one repetition with the weights that were applied. JSON
+schema:
 
 ```json
 {json_schema(RecordMessage)}
+```
+
+The reply names the entry, its iterations, remarks, and what iterations leave of an error by
+harmonic (`learning.md` says what that means). JSON schema:
+
+```json
+{json_schema(RecordReply)}
 ```
 """
 
