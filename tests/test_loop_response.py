@@ -58,8 +58,8 @@ def test_the_same_repetition_twice_tells_nothing() -> None:
 )
 def test_what_obeys_the_equation_is_found(gain: float, delay: float, seed: int, count: int) -> None:
     found = estimate_response(*linear_repetitions(gain, delay, seed, count), OMEGA, P, D)
-    assert found.gain == pytest.approx(gain, abs=0.03)
-    assert found.delay == pytest.approx(delay, abs=0.001)
+    assert found.gain == pytest.approx(gain, abs=1e-3)
+    assert found.delay == pytest.approx(delay, abs=1e-4)
 
 
 def test_what_no_response_explains_makes_less_certain() -> None:

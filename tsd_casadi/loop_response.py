@@ -28,7 +28,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, minimize_scalar
 
 from tsd_casadi.harmonics import Harmonics
 from tsd_casadi.state import Vector
@@ -45,8 +45,9 @@ SPRING_DEVIATION = 10.0
 FLOOR = 0.01
 LARGEST_SHARE = 0.3
 SHARE_PER_RESIDUAL = 3.0
-# delays among which the best is sought [s]
-DELAYS = np.arange(0.0, 0.0605, 0.001)
+# delays among which the best is sought, before it is refined between them [s]
+DELAY_STEP = 0.002
+DELAYS = np.arange(0.0, 0.0601, DELAY_STEP)
 
 
 @dataclass(frozen=True)
@@ -132,12 +133,17 @@ def _unexplained(change_a: Harmonics, change_e: Harmonics, omega: Vector) -> flo
     if power == 0.0:
         return 1.0
     wanted = _real(omega**2 * change_e)
-    left = []
-    for delay in DELAYS:
+
+    def left(delay: float) -> float:
         known = np.column_stack((_real(np.exp(-1j * omega * delay) * change_a), _real(change_e)))
         coefficients = np.linalg.lstsq(known, wanted, rcond=None)[0]
-        left.append(float(np.linalg.norm(known @ coefficients - wanted)))
-    return min(min(left) / power, 1.0)
+        return float(np.linalg.norm(known @ coefficients - wanted))
+
+    # half a step off at the highest harmonic would count as much as noise does
+    coarse = DELAYS[np.argmin([left(delay) for delay in DELAYS])]
+    bounds = (max(0.0, coarse - DELAY_STEP), coarse + DELAY_STEP)
+    finest = minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": 1e-6})
+    return min(float(finest.fun), left(float(coarse)), power) / power
 
 
 def _real(values: Harmonics) -> Vector:
