@@ -72,7 +72,7 @@ def finish_experiment(
                 plain = json.loads(json.dumps(job.arguments))
                 outcome = function(robot, controller, **plain)
                 rows = json.loads(json.dumps(outcome.rows, allow_nan=False))
-                done[job.name] = Result(rows, outcome.arrays)
+                done[job.name] = Result(rows, outcome.arrays, (0.0, 1.0))
         return done
 
     return finish

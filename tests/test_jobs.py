@@ -14,6 +14,8 @@ from tsd_clients.reproduction.experiment import Done, Experiment, Section
 from tsd_clients.reproduction.jobs import Job, Store, run_jobs
 from tsd_clients.reproduction.run import run_all
 
+SPAN = (1000.0, 1002.5)
+
 
 @pytest.fixture
 def store(robot: Robot, tmp_path: Path) -> Store:
@@ -27,12 +29,13 @@ def outcome() -> Outcome:
 
 def test_saved_outcome_is_loaded_as_it_was(store: Store, outcome: Outcome) -> None:
     job = Job("one", "work:replay", {"case": {"amplitude": 0.03}})
-    store.save(job, outcome)
+    store.save(job, outcome, SPAN)
     result = store.load(job)
     assert result is not None
     assert result.row("replay")["rms_error_m"] == 0.25
     assert result.weights("replay") == [1.0, 1.0, 1.0]
     np.testing.assert_array_equal(result.errors(), [0.25])
+    assert result.span == SPAN
 
 
 @pytest.mark.parametrize(
@@ -45,7 +48,7 @@ def test_saved_outcome_is_loaded_as_it_was(store: Store, outcome: Outcome) -> No
     ],
 )
 def test_results_of_other_jobs_are_not_taken(store: Store, outcome: Outcome, other: Job) -> None:
-    store.save(Job("one", "work:replay", {"case": {"amplitude": 0.03}}), outcome)
+    store.save(Job("one", "work:replay", {"case": {"amplitude": 0.03}}), outcome, SPAN)
     assert store.load(other) is None
 
 
@@ -55,7 +58,7 @@ def test_damaged_results_are_done_again(
     store: Store, outcome: Outcome, suffix: str, damage: str
 ) -> None:
     job = Job("one", "work:replay")
-    store.save(job, outcome)
+    store.save(job, outcome, SPAN)
     path = store.folder / f"one.{suffix}"
     content = path.read_bytes()
     path.unlink()
@@ -77,7 +80,7 @@ def test_finished_jobs_are_not_run_again(store: Store, outcome: Outcome) -> None
 
     experiment = Stages(quick=True)
     for name in ("one", "two"):
-        store.save(Job(name, "no_such_module:function"), outcome)
+        store.save(Job(name, "no_such_module:function"), outcome, SPAN)
     done = run_all([experiment], store)
     assert done.keys() == {"one", "two"}
     assert done["two"].row("replay")["rms_error_m"] == 0.25
@@ -99,7 +102,10 @@ def test_a_job_runs_in_a_process_of_its_own_and_is_kept(store: Store) -> None:
     assert seen == [(0.0, 3.0), (3.0, 3.0)]
     stored = json.loads((store.folder / "replay.json").read_text())
     assert stored["arguments"]["case"] == case
-    assert store.load(job) is not None
+    kept = store.load(job)
+    assert kept is not None and kept.span == results["replay"].span
+    begin, end = kept.span
+    assert 0.0 < end - begin < 600.0
 
 
 def test_errors_of_a_job_are_told(store: Store) -> None:

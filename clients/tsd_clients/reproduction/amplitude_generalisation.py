@@ -24,7 +24,7 @@ from tsd_clients.reproduction.jobs import Job, Result
 
 PAPER = (0.02, 0.04, 0.06, 0.08)  # m
 ASKED = 0.05  # m
-TENS = tuple(round(0.02 + 0.005 * i, 4) for i in range(13))  # m
+TENS = tuple(round(0.02 + 0.0025 * i, 4) for i in range(25))  # m
 CONVERGED = 3
 QUERIES = ("generalised", "linear", "nearest", "constant")
 

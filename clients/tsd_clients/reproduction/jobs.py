@@ -12,6 +12,7 @@ from functools import lru_cache
 from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path
+from time import time
 from typing import Any
 from zipfile import BadZipFile
 
@@ -22,6 +23,7 @@ from tsd_casadi.exceptions import TsdError
 from tsd_casadi.robot import Robot
 from tsd_casadi.state import Vector
 from tsd_clients.reproduction.case import Outcome
+from tsd_clients.reproduction.duration import Span
 from tsd_clients.service_process import start_services
 
 
@@ -64,10 +66,12 @@ class Result:
     Attributes:
         rows: Plain data, one per run.
         arrays: Traces and weights by name.
+        span: When it was done, begin and end [s] since 1970.
     """
 
     rows: list[dict[str, Any]]
     arrays: dict[str, Vector]
+    span: Span
 
     def row(self, label: str) -> dict[str, Any]:
         """The row of that label.
@@ -121,23 +125,25 @@ class Store:
             if document["fingerprint"] != job.fingerprint(self.robot):
                 return None
             with np.load(self.folder / f"{job.name}.npz") as stored:
-                return Result(document["rows"], dict(stored))
+                begin, end = document["span"]
+                return Result(document["rows"], dict(stored), (begin, end))
         except (OSError, ValueError, KeyError, BadZipFile):
             return None  # not done, or half written: do it again
 
-    def save(self, job: Job, outcome: Outcome) -> Result:
+    def save(self, job: Job, outcome: Outcome, span: Span) -> Result:
         """Keep an outcome; the description comes last and says that all is there."""
         np.savez_compressed(self.folder / f"{job.name}.npz", **outcome.arrays)  # type: ignore[arg-type]
         document = {
             "fingerprint": job.fingerprint(self.robot),
             "function": job.function,
             "arguments": job.arguments,
+            "span": span,
             "rows": outcome.rows,
         }
         part = self.folder / f"{job.name}.json.part"
         part.write_text(json.dumps(document))
         part.rename(self.folder / f"{job.name}.json")
-        return Result(outcome.rows, outcome.arrays)
+        return Result(outcome.rows, outcome.arrays, span)
 
 
 def run_jobs(
@@ -157,14 +163,17 @@ def run_jobs(
     total = sum(job.cost for job in jobs)
     done = 0.0
     report(done, total)
-    for job, outcome in _finished(jobs, store.robot):
-        results[job.name] = store.save(job, outcome)
+    for job, (outcome, span) in _finished(jobs, store.robot):
+        results[job.name] = store.save(job, outcome, span)
         done += job.cost
         report(done, total)
     return results
 
 
-def _finished(jobs: Sequence[Job], robot: Robot) -> Iterator[tuple[Job, Outcome]]:
+_Finished = tuple[Job, tuple[Outcome, Span]]
+
+
+def _finished(jobs: Sequence[Job], robot: Robot) -> Iterator[_Finished]:
     """Do jobs and hand them over as they end."""
     yield from _over_network([job for job in jobs if job.over_network], robot)
     local = [job for job in jobs if not job.over_network]
@@ -185,12 +194,12 @@ def _finished(jobs: Sequence[Job], robot: Robot) -> Iterator[tuple[Job, Outcome]
             raise
 
 
-def _over_network(jobs: Sequence[Job], robot: Robot) -> Iterator[tuple[Job, Outcome]]:
+def _over_network(jobs: Sequence[Job], robot: Robot) -> Iterator[_Finished]:
     if not jobs:
         return
     with start_services(robot) as (controller, learner):
         for job in jobs:
-            yield job, _function(job)(robot, controller, learner=learner, **job.arguments)
+            yield job, _timed(job, robot, controller, learner=learner)
 
 
 @lru_cache(maxsize=1)
@@ -207,6 +216,11 @@ def _function(job: Job) -> Callable[..., Outcome]:
     return function
 
 
-def _work(path: str, job: Job) -> Outcome:
-    robot, controller = _workplace(path)
-    return _function(job)(robot, controller, **job.arguments)
+def _work(path: str, job: Job) -> tuple[Outcome, Span]:
+    return _timed(job, *_workplace(path))
+
+
+def _timed(job: Job, robot: Robot, controller: Any, **services: Any) -> tuple[Outcome, Span]:
+    begin = time()
+    outcome = _function(job)(robot, controller, **services, **job.arguments)
+    return outcome, (begin, time())

@@ -16,7 +16,8 @@ from tsd_clients.reproduction.amplitude_generalisation import AmplitudeGeneralis
 from tsd_clients.reproduction.bootstrapping import Bootstrapping
 from tsd_clients.reproduction.borrowed import Borrowed
 from tsd_clients.reproduction.center_of_mass import CenterOfMass
-from tsd_clients.reproduction.experiment import Experiment
+from tsd_clients.reproduction.duration import time_taken
+from tsd_clients.reproduction.experiment import Experiment, Goal
 from tsd_clients.reproduction.jobs import Result, Store, run_jobs
 from tsd_clients.reproduction.low_gain import LowGain
 from tsd_clients.reproduction.methods import Methods
@@ -80,26 +81,46 @@ def reproduce(
         InvalidValue: If no experiment reproduces that figure.
         TsdError: If something cannot be written or a service does not start.
     """
-    start = monotonic()
     experiments = choose_experiments(figure, quick)
     store = Store(out / "data", robot)
     done = run_all(experiments, store)
+    start = monotonic()
     sections = [experiment.report(done) for experiment in experiments]
     pictures = save_figures(sections, out / "figures")
-    made_with = circumstances(robot, quick, monotonic() - start)
-    write_html(sections, pictures, movie(done, robot), made_with, out / "report.html")
+    film = movie(done, robot)
+    if film is not None:
+        (out / "figures" / "squat.gif").write_bytes(film)
+    seconds = {
+        "experiments": time_taken(result.span for result in done.values()),
+        "report": monotonic() - start,
+    }
+    goals = [goal for section in sections for goal in section.goals]
+    if figure is None:
+        goals += duration_goals(quick, sum(seconds.values()) / 60)
+    made_with = {**circumstances(robot, quick), "seconds": seconds}
+    write_html(sections, goals, pictures, film, made_with, out / "report.html")
     if page is not None:
         folder = page.with_suffix("")
         folder.mkdir(parents=True, exist_ok=True)
         for name, picture in pictures.items():
             (folder / f"{name}.png").write_bytes(picture)
-        write_page(sections, made_with, folder.name, page)
-    summary = {
-        **made_with,
-        "rows": [goal.plain() for section in sections for goal in section.goals],
-    }
+        write_page(sections, goals, made_with, folder.name, page)
+    summary = {**made_with, "rows": [goal.plain() for goal in goals]}
     (out / "summary.json").write_text(json.dumps(summary, indent=2))
     return summary
+
+
+def duration_goals(quick: bool, minutes: float) -> list[Goal]:
+    """How long it may take and took.
+
+    Args:
+        quick: Whether it was the short form.
+        minutes: What it took [min].
+    """
+    return [
+        Goal("tsd reproduce --quick on two cores [min]", "<= 5", minutes if quick else None),
+        Goal("tsd reproduce on two cores [min]", "<= 45", None if quick else minutes),
+    ]
 
 
 def run_all(experiments: Sequence[Experiment], store: Store) -> dict[str, Result]:
