@@ -22,6 +22,7 @@ def test_short_form(
         "LEARNED": (*CORNERS, (0.04, 0.9)),
         "CORNERS": CORNERS,
         "HELD_OUT": HELD_OUT,
+        "SHOWN": HELD_OUT[:2],
         "ITERATIONS": 1,
         "DRAWS": 2,
     }.items():

@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tsd_casadi.generalization import WeightRegression
+from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_clients.reproduction.experiment import Goal
 from tsd_clients.reproduction.run import EXPERIMENTS
 
@@ -51,6 +53,34 @@ def _grid(data: Data, source: str) -> float:
     driven = [data.row(name)["ac_rms_error_m"] for name in names]
     assert len(points) >= 10
     return float(np.sqrt(np.mean(np.square(driven)) / np.mean(np.square(direct))))
+
+
+def _point(path: Path, job: str) -> tuple[float, float]:
+    amplitude, frequency = path.stem.removeprefix(f"grid-{job}-").split("-")
+    return float(amplitude), float(frequency)
+
+
+def _coverage(data: Data) -> float:
+    """Points of the held-out curves inside the band, in percent."""
+    folder = data.folder / "data"
+    curves = {}
+    for path in sorted(folder.glob("grid-entry-*.json")):
+        label = data.rows(path.stem)[-1]["label"]
+        curves[_point(path, "entry")] = data.array(path.stem, f"{label}/weights")
+    held_out = {_point(path, "generalised") for path in folder.glob("grid-generalised-*.json")}
+    learned = [point for point in curves if point not in held_out]
+    assert len(learned) == 12 and len(held_out) >= 30
+    basis = PeriodicBasis()
+    weights = [curves[point] for point in learned]
+    names = ("amplitude", "frequency")
+    regression = WeightRegression("squat", names, np.array(learned), weights, basis)
+    phase = np.linspace(0, 2 * np.pi, 256, endpoint=False)
+    inside = []
+    for point in held_out:
+        mean, deviation = regression.predict(dict(zip(names, point, strict=True)))
+        off = basis.evaluate(phase, curves[point] - mean)
+        inside.append(np.abs(off) <= 2 * basis.evaluate(phase, deviation))
+    return 100 * float(np.mean(inside))
 
 
 def _random_signs(data: Data) -> float:
@@ -116,21 +146,25 @@ GOALS: dict[str, tuple[str, Callable[[Data], float]]] = {
         "<= 1",
         lambda d: _grid(d, "generalised") / _grid(d, "linear"),
     ),
+    "held-out grid, stand-in: predictions inside 2 sigma [%]": ("90 .. 99", _coverage),
     "random signs: true RMS error, learned without / with the correction (worst seed)": (
         ">= 5",
         _random_signs,
     ),
 }
-COVERAGE = (
-    "held-out predictions inside 2 sigma [%], mean over choices of 12 entries",
-    "90 .. 99",
-)
+# the order of the entries moves the fit of the process by its tolerance
+TOLERANCE = {"held-out grid, stand-in: predictions inside 2 sigma [%]": 2e-3}
+# not to be met by a test: how long it takes is a matter of the machine
+DURATIONS = {
+    "tsd reproduce --quick on two cores [min]": "<= 5",
+    "tsd reproduce on two cores [min]": "<= 45",
+}
 
 
 def check_summary(folder: Path) -> dict[str, Any]:
     summary: dict[str, Any] = json.loads((folder / "summary.json").read_text())
     rows = {row["id"]: row for row in summary["rows"]}
-    assert rows.keys() == {*GOALS, COVERAGE[0]}
+    assert rows.keys() == {*GOALS, *DURATIONS}
     data = Data(folder)
     for name, (goal, compute) in GOALS.items():
         row = rows[name]
@@ -138,9 +172,13 @@ def check_summary(folder: Path) -> dict[str, Any]:
         if row["measured"] is None:
             assert row["met"] is None and summary["form"] == "quick"
             continue
-        assert row["measured"] == pytest.approx(compute(data), rel=1e-9), name
+        assert row["measured"] == pytest.approx(compute(data), rel=TOLERANCE.get(name, 1e-9)), name
         assert row["met"] is Goal(name, goal, row["measured"]).met
-    assert rows[COVERAGE[0]]["goal"] == COVERAGE[1]
+    quick, full = (rows[name] for name in DURATIONS)
+    taken, other = (quick, full) if summary["form"] == "quick" else (full, quick)
+    assert other["measured"] is None
+    assert taken["measured"] == pytest.approx(sum(summary["seconds"].values()) / 60)
+    assert {name: rows[name]["goal"] for name in DURATIONS} == DURATIONS
     return summary
 
 
@@ -165,10 +203,9 @@ def quick(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.long
 def test_quick_form_reaches_the_goals_that_it_covers(quick: Path) -> None:
     summary = check_summary(quick)
-    missed = [row for row in summary["rows"] if row["met"] is False]
-    assert not missed
-    covered = [row for row in summary["rows"] if row["met"]]
-    assert len(covered) >= 9
+    rows = [row for row in summary["rows"] if row["id"] not in DURATIONS]
+    assert not [row for row in rows if row["met"] is False]
+    assert len([row for row in rows if row["met"]]) >= 9
 
 
 @pytest.mark.long

@@ -3,10 +3,10 @@ r"""From task parameters to weights by Gaussian process regression [generalizati
 .. math:: F_{D_b}: \kappa \mapsto w
 
 One process over all task parameters that differ, shared by all weights: a
-Matern 5/2 kernel with a length scale for each parameter, and noise. It is less
-smooth than the usual squared exponential, as friction's steps over the phase
-move with the parameters. Hyperparameters are fitted once per database content;
-a query is a few matrix products.
+Matern 5/2 kernel with a length scale for each parameter, and a little noise. It is
+less smooth than the usual squared exponential, as friction's steps over the phase
+move with the parameters. Magnitude and length scales are fitted once per database
+content; a query is a few matrix products.
 """
 
 from __future__ import annotations
@@ -23,9 +23,11 @@ from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix, Vector
 from tsd_casadi.task_parameters import unit_of
 
-# least noise, as a share of the weights' variance: friction's steps also change
-# over distances that a dozen entries do not resolve
-LEAST_NOISE = 3e-4
+# noise of learned weights, as a share of their variance: the most by which learning
+# the same once more with other sensor noise differs. It is not fitted, since a
+# dozen entries would have it make up for what the kernel cannot follow in a corner,
+# and all predictions would be believed to be that bad
+NOISE = 1e-4
 
 
 class WeightRegression:
@@ -176,4 +178,4 @@ def _kernel(parameters: int) -> Any:
     from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
 
     smooth = Matern(np.ones(parameters), (0.1, 100.0), nu=2.5)
-    return ConstantKernel(1.0, (1e-2, 1e3)) * smooth + WhiteKernel(1e-3, (LEAST_NOISE, 1.0))
+    return ConstantKernel(1.0, (1e-2, 1e3)) * smooth + WhiteKernel(NOISE, "fixed")

@@ -118,6 +118,7 @@ def draw_lines(
     title: str = "",
     logx: bool = False,
     logy: bool = True,
+    turn: int = len(COLOURS),
 ) -> Any:
     """Lines with markers.
 
@@ -128,11 +129,12 @@ def draw_lines(
         title: Heading.
         logx: Logarithmic x axis.
         logy: Logarithmic y axis.
+        turn: After so many lines the colours begin again, dashed.
     """
     figure, axes = plt.subplots(figsize=(8, 4))
     for index, (legend, x, y) in enumerate(lines):
-        colour = COLOURS[index % len(COLOURS)]
-        style = "-" if index < len(COLOURS) else "--"
+        colour = COLOURS[index % turn]
+        style = "-" if index < turn else "--"
         axes.plot(x, y, "o", linestyle=style, color=colour, label=legend, markersize=4)
     axes.set(xlabel=xlabel, ylabel=ylabel, title=title)
     if logx:
@@ -147,7 +149,7 @@ def draw_lines(
 def draw_bands(
     x: Vector, bands: Sequence[tuple[str, Vector, Vector, Vector]], xlabel: str, ylabel: str
 ) -> Any:
-    """Predictions with two standard deviations, and what came out, dashed.
+    """Predictions and what came out; below, how far off they are in two standard deviations.
 
     Args:
         x: The x axis, (N,).
@@ -155,14 +157,25 @@ def draw_bands(
         xlabel: Of the x axis.
         ylabel: Of the y axis.
     """
-    figure, axes = plt.subplots(figsize=(8, 4))
-    for colour, (legend, mean, std, outcome) in zip(COLOURS, bands, strict=False):
-        axes.fill_between(x, mean - 2 * std, mean + 2 * std, color=colour, alpha=0.25)
-        axes.plot(x, mean, color=colour, label=legend)
-        axes.plot(x, outcome, "--", color=colour)
-    axes.set(xlabel=xlabel, ylabel=ylabel)
-    axes.grid(alpha=0.3)
-    axes.legend(fontsize=8)
+    figure, panels = plt.subplots(
+        1 + len(bands),
+        1,
+        figsize=(8, 3.2 + 1.3 * len(bands)),
+        sharex=True,
+        height_ratios=[2.4, *(1.0 for _ in bands)],
+    )
+    top, *below = panels
+    for axes, colour, (legend, mean, std, outcome) in zip(below, COLOURS, bands, strict=False):
+        top.plot(x, mean, color=colour, label=legend)
+        top.plot(x, outcome, "--", color=colour)
+        axes.fill_between(x, -2 * std, 2 * std, color=colour, alpha=0.25)
+        axes.plot(x, outcome - mean, "--", color=colour)
+        axes.set_ylabel("off by")
+    for axes in panels:
+        axes.grid(alpha=0.3)
+    top.set_ylabel(ylabel)
+    top.legend(fontsize=8)
+    panels[-1].set_xlabel(xlabel)
     return finish(figure)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -140,10 +141,15 @@ class ModelErrors(Experiment):
                     "model_errors",
                     f"RMS error after {ITERATIONS} iterations by stiffness; lines that end have no "
                     "result there.",
-                    lambda: draw_lines(self._lines(done), "P [1/s²]", "RMS error [mm]", logx=True),
+                    lambda: self._draw(done),
                 )
             ],
         )
+
+    def _draw(self, done: Done) -> Any:
+        lines = self._lines(done)
+        turn = sum(legend.startswith("home") for legend, _, _ in lines)
+        return draw_lines(lines, "P [1/s²]", "RMS error [mm]", logx=True, turn=turn)
 
     def _lines(self, done: Done) -> list[tuple[str, list[float], list[float]]]:
         lines = []
