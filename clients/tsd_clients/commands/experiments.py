@@ -54,7 +54,11 @@ def reproduce(
     from tsd_clients.reproduction.run import reproduce as run_experiments
 
     check_writable(json_file)
-    summary = run_experiments(load_robot(robot), out, figure=figure, quick=quick, page=page)
+    try:
+        summary = run_experiments(load_robot(robot), out, figure=figure, quick=quick, page=page)
+    except KeyboardInterrupt:
+        typer.echo("interrupted; the same command goes on with what is left", err=True)
+        raise
 
     def show() -> None:
         print_goals(summary["rows"])

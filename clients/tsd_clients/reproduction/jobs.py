@@ -5,12 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib import import_module
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from time import time
 from typing import Any
@@ -184,13 +185,17 @@ def _finished(jobs: Sequence[Job], robot: Robot) -> Iterator[_Finished]:
     # one thread per worker: matrices are small, and every core has a worker
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     path = str(robot.path)
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(
+        os.cpu_count(), mp_context=get_context("spawn"), initializer=_leave_interrupts
+    ) as pool:
         futures = {pool.submit(_work, path, job): job for job in local}
         try:
             for future in as_completed(futures):
                 yield futures[future], future.result()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
+            for worker in active_children():
+                worker.terminate()  # a job may take a minute
             raise
 
 
@@ -214,6 +219,11 @@ def _function(job: Job) -> Callable[..., Outcome]:
         import_module(f"tsd_clients.reproduction.{module}"), name
     )
     return function
+
+
+def _leave_interrupts() -> None:
+    """Ctrl-C reaches all processes of a terminal; the first one ends the others."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _work(path: str, job: Job) -> tuple[Outcome, Span]:

@@ -20,6 +20,7 @@ from tsd_clients.reproduction.duration import time_taken
 from tsd_clients.reproduction.experiment import Experiment, Goal
 from tsd_clients.reproduction.jobs import Result, Store, run_jobs
 from tsd_clients.reproduction.low_gain import LowGain
+from tsd_clients.reproduction.measurements import write_measurements
 from tsd_clients.reproduction.methods import Methods
 from tsd_clients.reproduction.model_errors import ModelErrors
 from tsd_clients.reproduction.parameter_grid import ParameterGrid
@@ -85,6 +86,7 @@ def reproduce(
     store = Store(out / "data", robot)
     done = run_all(experiments, store)
     start = monotonic()
+    write_measurements(done, out)
     sections = [experiment.report(done) for experiment in experiments]
     pictures = save_figures(sections, out / "figures")
     film = movie(done, robot)

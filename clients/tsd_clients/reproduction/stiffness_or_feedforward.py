@@ -12,19 +12,21 @@ from matplotlib import pyplot as plt
 
 from tsd_clients.reproduction.case import Case
 from tsd_clients.reproduction.drawing import COLOURS, finish
-from tsd_clients.reproduction.experiment import (
-    Done,
-    Experiment,
-    Figure,
-    Section,
-    Table,
-    millimetres,
-)
+from tsd_clients.reproduction.experiment import Done, Experiment, Figure, Section, Table
 from tsd_clients.reproduction.jobs import Job, Result
+from tsd_clients.reproduction.stiffness_tables import (
+    IMPULSE,
+    NOISE_HEAD,
+    PUSH_HEAD,
+    PUSHES,
+    SOFT,
+    VERDICTS,
+    disturbed_cells,
+    own_stiffness,
+    verdicts,
+    words_for,
+)
 
-SOFT = 0.2  # P = 10 where the robot's own is 50
-IMPULSE = 10.0  # N s
-PUSHES = {"down": [0.0, 0.0, -IMPULSE], "sideways": [0.0, IMPULSE, 0.0]}
 NOISE = 1.0  # N m
 WORLDS = {
     "ideal": Case(laps=4),
@@ -155,7 +157,7 @@ class StiffnessOrFeedforward(Experiment):
         found = []
         matched, winners, limits = [], [], []
         for world in self._worlds:
-            own = _own_stiffness(done[f"stiffness-{world}-learned"])
+            own = own_stiffness(done[f"stiffness-{world}-learned"])
             rows = done[f"stiffness-{world}-sweep"].rows
             limit = highest_stable(rows)
             for index, error in enumerate(done[f"stiffness-{world}-learned"].errors()):
@@ -175,7 +177,11 @@ class StiffnessOrFeedforward(Experiment):
             results = self._disturbed(done, world)
             for name, (factor, _) in self._contenders(done, world).items():
                 winners.append(
-                    [world, f"{_words(name)}, P = {own * factor:.3g}", *_cells(results[name])]
+                    [
+                        world,
+                        f"{words_for(name)}, P = {own * factor:.3g}",
+                        *disturbed_cells(results[name]),
+                    ]
                 )
             found += self._sentences(world, results, own * self._match(done, world)[1])
             limits += self._limits(done, world, own)
@@ -211,7 +217,7 @@ class StiffnessOrFeedforward(Experiment):
                     "Who wins where (soft: P = "
                     f"{own * SOFT:.3g} with feedforward; stiff: equal error or half the limit)",
                     ["world", *VERDICTS],
-                    [[world, *self._verdicts(done, world)] for world in self._worlds],
+                    [[world, *verdicts(self._disturbed(done, world))] for world in self._worlds],
                 ),
             ],
             figures=[
@@ -294,25 +300,6 @@ class StiffnessOrFeedforward(Experiment):
             "solution counts as not working, even if the robot stays up."
         ]
 
-    def _verdicts(self, done: Done, world: str) -> list[str]:
-        results = self._disturbed(done, world)
-        soft, stiff = results["soft learned"], results["stiff none"]
-        measures = [
-            ("undisturbed", "rms_error_m"),
-            ("down", "peak_deflection_m"),
-            ("down", "recovery_s"),
-            ("sideways", "peak_deflection_m"),
-            ("down", "peak_ground_force_n"),
-            ("down", "peak_torque_share"),
-        ]
-        if not self.quick:
-            measures += [("noise", "added_rms_m"), ("noise", "added_torque_rms_nm")]
-        verdicts = [
-            _winner(soft.row(label).get(measure), stiff.row(label).get(measure))
-            for label, measure in measures
-        ]
-        return verdicts + ["–"] * (len(VERDICTS) - len(verdicts))
-
     def _draw(self, done: Done) -> Any:
         worlds = list(self._worlds)
         figure, panels = plt.subplots(
@@ -326,84 +313,13 @@ class StiffnessOrFeedforward(Experiment):
                 ):
                     along = result.arrays[f"{push}/deflection"] @ direction
                     axes.plot(
-                        result.arrays[f"{push}/time"], 1e3 * along, color=colour, label=_words(name)
+                        result.arrays[f"{push}/time"],
+                        1e3 * along,
+                        color=colour,
+                        label=words_for(name),
                     )
                 axes.set(title=f"{world}, {push}", xlabel="time since the push [s]", xlim=(0, 3))
                 axes.grid(alpha=0.3)
             row[0].set_ylabel("deflection [mm]")
         panels[0, 0].legend(fontsize=8)
         return finish(figure)
-
-
-PUSH_HEAD = (
-    "down: peak",
-    "recovery",
-    "ground [N]",
-    "torque [%]",
-    "sideways: peak",
-    "recovery",
-    "torque [%]",
-)
-NOISE_HEAD = ("noise: added [mm]", "added torque [N m]")
-VERDICTS = (
-    "tracking",
-    "down: peak",
-    "recovery",
-    "sideways: peak",
-    "ground force",
-    "torque",
-    "noise: motion",
-    "noise: torque",
-)
-
-
-def _words(name: str) -> str:
-    return {
-        "soft learned": "soft, feedforward",
-        "stiff none": "stiff, none",
-        "own learned": "robot's own P, feedforward",
-    }[name]
-
-
-def _own_stiffness(learned: Result) -> float:
-    """P of the robot file, from a run at a known share of it."""
-    row = learned.rows[0]
-    return float(row["gains"]["P"][-1]) / SOFT
-
-
-def _cells(result: Result) -> list[str]:
-    cells = [f"{1e3 * result.row('undisturbed')['rms_error_m']:.2g}"]
-    for push, ground in (("down", True), ("sideways", False)):
-        row = result.row(push)
-        cells.append("fell" if row["fell"] else millimetres(row["peak_deflection_m"], 2))
-        cells.append(_recovery(result, push))
-        if ground:
-            cells.append(f"{row['peak_ground_force_n']:.0f}")
-        cells.append(f"{100 * row['peak_torque_share']:.0f}")
-    for row in result.rows:
-        if row["label"] == "noise":
-            torque = row["added_torque_rms_nm"]
-            cells.append(millimetres(row["added_rms_m"]))
-            return [*cells, "fell" if torque is None else f"{torque:.2f}"]
-    return [*cells, "–", "–"]
-
-
-def _recovery(result: Result, push: str) -> str:
-    row = result.row(push)
-    if row["fell"]:
-        return "–"
-    if row["recovery_s"] is not None:
-        return f"{row['recovery_s']:.2f}"
-    along = result.arrays[f"{push}/deflection"] @ (np.array(PUSHES[push]) / IMPULSE)
-    return f"not: {1e3 * float(along[-1]):.1f} mm left"
-
-
-def _winner(soft: float | None, stiff: float | None) -> str:
-    """Who has less of what nobody wants; nothing measured is a loss."""
-    if soft is None or stiff is None:
-        return {(True, False): "stiff", (False, True): "soft"}.get(
-            (soft is None, stiff is None), "neither"
-        )
-    if math.isclose(soft, stiff, rel_tol=0.1):
-        return "equal"
-    return "soft" if soft < stiff else "stiff"
