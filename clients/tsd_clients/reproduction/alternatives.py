@@ -77,43 +77,15 @@ SCENARIOS = {
 }
 
 
-def compare_alternatives(
-    robot: Robot,
-    controller: WholeBodyController,
-    *,
-    methods: Sequence[str] = tuple(METHODS),
-    scenarios: Sequence[Scenario] = tuple(SCENARIOS.values()),
-    iterations: int = ITERATIONS,
-) -> list[dict[str, Any]]:
-    """Every method in every scenario.
-
-    Args:
-        robot: With its nominal model.
-        controller: Of that model.
-        methods: Keys of ``METHODS``.
-        scenarios: Simulated robots and squats.
-        iterations: How many repetitions may be learned from.
-
-    Returns:
-        The rows of ``compare_method``.
-    """
-    return [
-        row
-        for scenario in scenarios
-        for method in methods
-        for row in compare_method(robot, controller, method, scenario, iterations=iterations)
-    ]
-
-
-def compare_method(
+def prepare(
     robot: Robot,
     controller: WholeBodyController,
     method: str,
     scenario: Scenario,
     *,
     iterations: int = ITERATIONS,
-) -> list[dict[str, Any]]:
-    """One method in one scenario, independent of all others.
+) -> tuple[Alternative, Bench]:
+    """One method ready for one scenario, independent of all others.
 
     Args:
         robot: With its nominal model.
@@ -123,7 +95,7 @@ def compare_method(
         iterations: How many repetitions may be learned from.
 
     Returns:
-        Plain data, one row for the squat learned and one for each transfer.
+        The method, and where it was prepared.
 
     Raises:
         InvalidValue: If there is no such method.
@@ -132,11 +104,7 @@ def compare_method(
     if method not in METHODS:
         raise InvalidValue("method", f"'{method}'", f"one of {', '.join(METHODS)}")
     bench = bench_for(robot, controller, scenario, scenario.squat, iterations)
-    alternative = METHODS[method](bench)
-    return [
-        {"method": method, "transfer": transfer, **measure(alternative, bench, scenario, squat)}
-        for transfer, squat in scenario.transfers.items()
-    ]
+    return METHODS[method](bench), bench
 
 
 def compare_generalised(
@@ -159,7 +127,7 @@ def compare_generalised(
         iterations: Repetitions of each.
 
     Returns:
-        Plain data, a row as of ``compare_method``.
+        Plain data, a row as of ``measure``.
 
     Raises:
         InvalidValue: If there is no such method.
@@ -172,7 +140,7 @@ def compare_generalised(
     asked = scenario.transfers["amplitude"]
     alternative = GENERALISED[method](benches, asked)
     measured = measure(alternative, benches[0], scenario, asked)
-    return {"method": method, "transfer": "amplitude, generalised", **measured}
+    return {"method": method, **measured}
 
 
 def bench_for(

@@ -12,12 +12,11 @@ from tsd_clients.disturbances import Push
 from tsd_clients.repetition import HOLD
 from tsd_clients.reproduction.alternative_methods import GENERALISED, METHODS
 from tsd_clients.reproduction.alternatives import (
-    ITERATIONS,
     SCENARIOS,
-    bench_for,
     compare_generalised,
     drive,
     measure,
+    prepare,
 )
 from tsd_clients.reproduction.case import Outcome
 from tsd_clients.reproduction.drawing import draw_lines
@@ -57,8 +56,7 @@ def compare(
         push over time.
     """
     setting = SCENARIOS[scenario]
-    bench = bench_for(robot, controller, setting, setting.squat, ITERATIONS)
-    alternative = METHODS[method](bench)
+    alternative, bench = prepare(robot, controller, method, setting)
     outcome = Outcome()
     for name in transfers:
         row = measure(alternative, bench, setting, setting.transfers[name])
