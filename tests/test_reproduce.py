@@ -157,7 +157,7 @@ GOALS: dict[str, tuple[str, Callable[[Data], float]]] = {
         lambda d: _grid(d, "generalised") / _grid(d, "linear"),
     ),
     "held-out grid, stand-in: predictions inside 2 sigma [%]": ("90 .. 99", _coverage),
-    "random signs: true RMS error, learned without / with the correction (worst seed)": (
+    "random signs, ideal: true RMS error, learned without / with the correction (worst seed)": (
         ">= 5",
         _random_signs,
     ),
