@@ -23,6 +23,8 @@ def test_short_form(
         "CORNERS": CORNERS,
         "HELD_OUT": HELD_OUT,
         "SHOWN": HELD_OUT[:2],
+        "DRIVEN": HELD_OUT[:2],
+        "REPEATED": CORNERS[:1],
         "ITERATIONS": 1,
         "DRAWS": 2,
     }.items():
@@ -30,7 +32,7 @@ def test_short_form(
     experiment = ParameterGrid(quick=False)
     done = finish_experiment(experiment)
     section = experiment.report(done)
-    names = [f"{amplitude:g}-{frequency:g}" for amplitude, frequency in HELD_OUT]
+    names = [f"{amplitude:g}-{frequency:g}" for amplitude, frequency in HELD_OUT[:2]]
     entries = [done[f"grid-entry-{name}"] for name in names]
     none, direct = (np.array([e.rows[i]["ac_rms_error_m"] for e in entries]) for i in (0, -1))
     generalised = np.array(
@@ -39,6 +41,9 @@ def test_short_form(
     rms = np.linalg.norm(generalised) / np.linalg.norm(direct)
     assert section.goals[0].measured == pytest.approx(rms)
     assert (generalised < 0.2 * none).all()
+    again, entry = (done[f"grid-{kind}-0.03-0.8"] for kind in ("again", "entry"))
+    assert again.last_iteration() == "iteration 1"
+    assert again.weights("iteration 1") != entry.weights("iteration 1")
     assert all(0 <= share <= 1 for share in experiment.coverage(done, CORNERS))
     coverage = section.goals[2].measured
     assert coverage is not None and np.isfinite(coverage)

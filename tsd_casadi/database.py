@@ -148,6 +148,7 @@ class Database:
 
     def query(
         self,
+        /,
         task: str,
         *,
         robot: str | None = None,
@@ -195,6 +196,7 @@ class Database:
 
     def suggest(
         self,
+        /,
         task: str,
         *,
         robot: str | None = None,
@@ -236,13 +238,23 @@ class Database:
             "WHERE (?1 IS NULL OR robot = ?1) AND (?2 IS NULL OR task = ?2) ORDER BY id",
             (robot, task),
         )
-        return [self._entry(row) for row in rows]
+        return [self._checked_entry(row) for row in rows]
 
     def _find(self, key: TaskKey) -> Entry | None:
         for entry in self._read(key.robot, key.task):
             if entry.key == key:
                 return entry
         return None
+
+    def _checked_entry(self, row: tuple[Any, ...]) -> Entry:
+        try:
+            return self._entry(row)
+        except (ValueError, TypeError, KeyError) as error:
+            raise DatabaseError(
+                self.path,
+                f"holds a damaged entry {row[0]} ({error})",
+                "restore a copy, or delete that row of the table 'entry'",
+            ) from error
 
     def _entry(self, row: tuple[Any, ...]) -> Entry:
         axes, parameters, context = (json.loads(row[i]) for i in (3, 4, 7))

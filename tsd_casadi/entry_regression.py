@@ -10,13 +10,14 @@ from tsd_casadi.entry import Entry
 from tsd_casadi.exceptions import EntryNotFound
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.generalization import WeightRegression
+from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.task_parameters import unit_of
 
 MINIMUM_ENTRIES = 2
 # fits that are kept, one per group of entries
 KEPT_FITS = 32
 
-_Content = tuple[str, tuple[str, ...], bytes, bytes]
+_Content = tuple[str, tuple[str, ...], PeriodicBasis, bytes, bytes]
 
 
 class EntryRegressions:
@@ -104,9 +105,10 @@ class EntryRegressions:
         names = varied_parameters(entries)
         inputs = np.array([[each[name] for name in names] for each in parameters])
         weights = [entry.served.weights for entry in entries]
-        content = task, names, inputs.tobytes(), np.stack(weights).tobytes()
+        basis = entries[0].basis
+        content = task, names, basis, inputs.tobytes(), np.stack(weights).tobytes()
         if content not in self._fits:
-            regression = WeightRegression(task, names, inputs, weights, entries[0].basis)
+            regression = WeightRegression(task, names, inputs, weights, basis)
             if len(self._fits) >= KEPT_FITS:
                 self._fits.pop(next(iter(self._fits)))  # the oldest
             self._fits[content] = regression

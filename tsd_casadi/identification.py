@@ -23,7 +23,14 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.physical_consistency import PARAMETERS, Block, body, minimise, scalar
+from tsd_casadi.physical_consistency import (
+    PARAMETERS,
+    Block,
+    body,
+    minimise,
+    pseudo_inertia,
+    scalar,
+)
 from tsd_casadi.robot import Robot
 from tsd_casadi.state import Matrix, Vector
 
@@ -174,9 +181,11 @@ def identify_inertias(
         The identified model, without friction.
 
     Raises:
-        InvalidValue: If a number is not finite or closeness not positive.
+        InvalidValue: If there is nothing to identify from, a number is not
+            finite, closeness not positive, or a link of the nominal model no
+            body that can be.
     """
-    _check(observed, closeness)
+    _check(robot, observed, closeness)
     A, b = inertial_rows(robot, observed)
     return _identify(robot, A, b, closeness)
 
@@ -195,17 +204,36 @@ def identify_with_friction(
         The identified model.
 
     Raises:
-        InvalidValue: If a number is not finite or closeness not positive.
+        InvalidValue: If there is nothing to identify from, a number is not
+            finite, closeness not positive, or a link of the nominal model no
+            body that can be.
     """
-    _check(observed, closeness)
+    _check(robot, observed, closeness)
     A, b = inertial_rows(robot, observed)
     return _identify(robot, np.hstack((A, friction_rows(robot, observed))), b, closeness)
 
 
-def _check(observed: Observations, closeness: float) -> None:
+def _check(robot: Robot, observed: Observations, closeness: float) -> None:
+    widths = {"q": robot.nq, "v": robot.nv, "a": robot.nv, "tau": robot.n}
+    samples = len(observed.q)
     for name, values in vars(observed).items():
+        expected = (samples, widths[name])
+        if samples == 0 or values.shape != expected:
+            raise InvalidValue(
+                f"observed {name}", f"of shape {values.shape}", f"shape (N, {widths[name]}), N > 0"
+            )
         if not np.isfinite(values).all():
             raise InvalidValue(f"observed {name}", "not finite", "finite numbers")
+    for name, inertia in zip(
+        ("base", *robot.joint_names), list(robot.model.inertias)[1:], strict=True
+    ):
+        # pseudo-inertia: mass and second moments of a body of positive density
+        if np.linalg.eigvalsh(pseudo_inertia(inertia.toDynamicParameters())).min() <= 0:
+            raise InvalidValue(
+                f"the link at {name}",
+                f"mass {inertia.mass:g} kg with such an inertia",
+                "a mass and moments of inertia that a body of positive density can have",
+            )
     if not 0 < closeness < np.inf:
         raise InvalidValue("closeness", closeness, "a positive number")
 

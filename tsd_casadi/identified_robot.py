@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.robot import Robot, load_robot
 
 FIXED = "fixed"
@@ -39,6 +40,14 @@ def write_robot(robot: Robot, inertias: Sequence[Any], folder: Path) -> Robot:
     Raises:
         RobotFileError: If what was written cannot be used.
     """
+    # what is written must be the copy, and the copy must find it
+    if not robot.urdf_path.resolve().is_relative_to(robot.path.parent.resolve()):
+        raise RobotFileError(
+            robot.path,
+            "urdf",
+            f"is {robot.description.urdf}, outside the robot file's folder",
+            "a path below that folder, for the folder is copied",
+        )
     shutil.copytree(robot.path.parent, folder, dirs_exist_ok=True)
     tree = ElementTree.parse(robot.urdf_path)
     links = {link.get("name"): link for link in tree.iter("link")}
@@ -55,7 +64,8 @@ def write_robot(robot: Robot, inertias: Sequence[Any], folder: Path) -> Robot:
     (root,) = set(links) - children
     _set_inertia(links[root], bodies[None])
     path = folder / robot.path.name
-    tree.write(path.parent / robot.description.urdf, xml_declaration=True, encoding="utf-8")
+    place = robot.urdf_path.resolve().relative_to(robot.path.parent.resolve())
+    tree.write(folder / place, xml_declaration=True, encoding="utf-8")
     return load_robot(path)
 
 

@@ -110,8 +110,9 @@ def _ends(
         for i in (0, 1)
     )
     names = tuple(sorted(lows))
-    low = np.array([lows[name] for name in names])
-    high = np.array([highs[name] for name in names])
+    # as entries are, so that a place is known again once it has one
+    low = np.round([lows[name] for name in names], DIGITS)
+    high = np.round([highs[name] for name in names], DIGITS)
     return names, low, high
 
 
@@ -132,7 +133,8 @@ def _grid(low: Vector, high: Vector) -> Matrix:
     # an odd number, so that the middle is among them
     count = min(FINEST_GRID, int(MOST_CANDIDATES ** (1 / max(varied, 1))) // 2 * 2 + 1)
     lines = [np.linspace(a, b, count if a < b else 1) for a, b in zip(low, high, strict=True)]
-    return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(low))
+    places = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(low))
+    return np.round(places, DIGITS)
 
 
 def _deviations(
@@ -148,7 +150,7 @@ def _deviations(
     if len(learned) <= max(len(varied), 1):
         return None
     same = [index for index, name in enumerate(names) if name not in varied]
-    if not _same(grid[0], _places(learned[:1], names)[0])[same].all():
+    if not _same(grid, _places(learned[:1], names)[0])[:, same].all():
         return None  # the entries say nothing about another value of it
     regression = regressions.over(task, learned)
     return regression.deviation(grid[:, [names.index(name) for name in regression.names]])

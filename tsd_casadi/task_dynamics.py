@@ -2,8 +2,8 @@ r"""Required acceleration as a function of where the task is.
 
 A repetition with an error e has been elsewhere than its reference: what its
 feedback and feedforward had to add belongs to x = x_ref - e. At low gains the
-two differ by centimetres, and simply summing learns the wrong place. From all
-repetitions of a motion,
+two differ by centimetres, and simply summing learns the wrong place. From the
+newest repetitions of a motion,
 
 .. math:: a_i(\phi) = u_i + C e_i + \ddot e_i = g(x_i(\phi)) + p(\phi) + \epsilon,
 

@@ -14,6 +14,8 @@ from tsd_casadi.exceptions import InvalidValue
 
 # of any parameter, in its SI unit
 LARGEST = 1e6
+# words of queries and of the database that a parameter cannot have for a name
+RESERVED = ("task", "robot", "kind", "extrapolate", "region")
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,8 @@ def complete_parameters(task: str, given: Mapping[str, float]) -> dict[str, floa
     """
     known = {item.name: item for item in TASK_PARAMETERS.get(task, ())}
     for name, value in given.items():
+        if name in RESERVED:
+            raise InvalidValue(f"parameter '{name}'", f"{value:g}", "another name")
         if known and name not in known:
             raise InvalidValue(f"parameter of the {task}", f"'{name}'", _listed(task))
         unit = f" in {known[name].unit}" if known else ""

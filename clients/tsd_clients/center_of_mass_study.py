@@ -158,12 +158,12 @@ def learn_with(
         measure, ``rms_error`` what the controller sees.
     """
     corrections = [] if correction is None else [CenterOfMassShift(correction)]
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, Database(Path(folder) / "study") as database:
         return learn(
             simulator,
             controller,
             [motion],
-            Database(Path(folder) / "study.sqlite"),
+            database,
             iterations=iterations,
             rule="plain",
             corrections=corrections,

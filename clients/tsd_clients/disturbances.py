@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -46,13 +47,15 @@ class Push(Disturbance):
     impulse: tuple[float, float, float]
 
     def __post_init__(self) -> None:
-        """Refuse a push that takes no time.
+        """Refuse a push that takes no time, or that is no number.
 
         Raises:
-            InvalidValue: If the duration is not positive.
+            InvalidValue: If the duration is not positive, or something not finite.
         """
-        if not self.duration > 0:
+        if not 0 < self.duration < math.inf:
             raise InvalidValue("duration of a push", self.duration, "a time above 0 s")
+        if not np.isfinite([self.start, *self.impulse]).all():
+            raise InvalidValue("a push", f"{self.impulse} N s at {self.start} s", "finite numbers")
 
     def apply(self, data: Any, state_map: StateMap, time: float) -> None:
         """Push while it lasts, at the base body's centre of mass."""
@@ -74,7 +77,15 @@ class TorqueNoise(Disturbance):
     _rng: np.random.Generator = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Start the noise."""
+        """Start the noise.
+
+        Raises:
+            InvalidValue: If the standard deviation is negative or no number.
+        """
+        if not 0 <= self.standard_deviation < math.inf:
+            raise InvalidValue(
+                "standard deviation of the torque noise", self.standard_deviation, "0 N m or more"
+            )
         self.reset()
 
     def reset(self) -> None:

@@ -50,14 +50,15 @@ class FeedforwardGate(Correction):
         self._axis, self._component = setting.axis, setting.component
         self._task, self._dt = setting.task, setting.dt
         self._windows = (_Window(math.pi, CLEARLY_WORSE), _Window(2 * math.pi, 1.0))
-        # e_u and its rate
-        self._moved = self._rate = 0.0
+        # e_u and its rate, and u as it left here: others may add to it
+        self._moved = self._rate = self._u = 0.0
 
     def before(self, moment: Moment) -> None:
         """Fade the feedforward out once it is dropped."""
         if self.dropped_at is not None:
             left = 1 - (moment.time - self.dropped_at) / FADE
             moment.feedforward *= max(left, 0.0)
+        self._u = moment.feedforward
 
     def after(self, moment: Moment) -> None:
         """Judge what was seen so far; the hold before the motion is not judged."""
@@ -74,7 +75,7 @@ class FeedforwardGate(Correction):
 
     def _advance(self, moment: Moment) -> None:
         P, D = (float(moment.command[f"{self._task}.{gain}"][self._component]) for gain in "PD")
-        acceleration = moment.feedforward - D * self._rate - P * self._moved
+        acceleration = self._u - D * self._rate - P * self._moved
         self._rate += self._dt * acceleration
         self._moved += self._dt * self._rate
 

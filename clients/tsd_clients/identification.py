@@ -77,14 +77,6 @@ def observe(run: Run, recorder: MotionRecorder) -> Observations:
     return Observations(q, _harmonics(v, 0, omega), _harmonics(v, 1, omega), tau)
 
 
-def join(observations: list[Observations]) -> Observations:
-    """Several observations as one."""
-    names = ("q", "v", "a", "tau")
-    return Observations(
-        *(np.vstack([getattr(part, name) for part in observations]) for name in names)
-    )
-
-
 def _average(phase: Vector, values: Matrix) -> Matrix:
     """Means over equal parts of a lap, (BINS, columns)."""
     index = np.floor(np.mod(phase / (2 * math.pi), 1.0) * BINS).astype(int) % BINS

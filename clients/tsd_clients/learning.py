@@ -62,7 +62,7 @@ def learn(
     laps: int = 3,
     gains: Gains = UNCHANGED,
     corrections: Sequence[Correction] = (),
-    seed: int = 0,
+    seed: int | Sequence[int] = 0,
     transport: str = "local",
     progress: Callable[[Motion, int], Progress | None] | None = None,
     on_run: Callable[[Run, list[str]], None] | None = None,
@@ -89,7 +89,8 @@ def learn(
         laps: Least number of laps of each run.
         gains: Factors on the learned task's gains.
         corrections: What else changes commands and torques.
-        seed: Of the starting randomness.
+        seed: Of the starting posture and the sensors' noise: one for all
+            repetitions, or one for each of a motion's N + 1 runs.
         transport: How the controller is reached, for the records.
         progress: Gives the progress function of a run, from motion and number.
         on_run: Called after each run with the learner's remarks.
@@ -100,7 +101,8 @@ def learn(
         All runs in order.
 
     Raises:
-        InvalidValue: If iterations or patience is not at least 1.
+        InvalidValue: If iterations or patience is not at least 1, or seeds are
+            missing.
         SimulationError: If the robot fell or the feedback never settled; what
             was recorded before stays.
     """
@@ -108,6 +110,9 @@ def learn(
         raise InvalidValue("iterations", iterations, "at least 1")
     if patience is not None and patience < 1:
         raise InvalidValue("patience", patience, "at least 1, or none")
+    seeds = [seed] * (iterations + 1) if isinstance(seed, int) else list(seed)
+    if len(seeds) != iterations + 1:
+        raise InvalidValue("seeds", len(seeds), f"one, or one for each of {iterations + 1} runs")
     for motion in motions:
         motion.check(simulator.robot)
     runs = []
@@ -126,8 +131,9 @@ def learn(
                 laps=laps,
                 feedforward=feedforward,
                 gains=gains,
-                corrections=[*corrections, *gates],
-                seed=seed,
+                # the gate before what adds to the feedforward: it is about the borrowed one
+                corrections=[*gates, *corrections],
+                seed=seeds[index],
                 transport=transport,
                 progress=progress(motion, index) if progress is not None else None,
             )

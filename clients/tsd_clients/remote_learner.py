@@ -79,7 +79,10 @@ class RemoteLearner:
         **parameters: float,
     ) -> FeedforwardMessage:
         """The same as it comes over the network."""
-        selector = {"task": task, **{name: repr(value) for name, value in parameters.items()}}
+        selector = {
+            "task": task,
+            **{name: repr(float(value)) for name, value in parameters.items()},
+        }
         if kind is not None:
             selector["kind"] = kind
         if extrapolate:
@@ -93,9 +96,12 @@ class RemoteLearner:
         Raises:
             ServiceError: If the learner has no answer; its code says why.
         """
-        selector = {"task": task, **{name: repr(value) for name, value in parameters.items()}}
+        selector = {
+            "task": task,
+            **{name: repr(float(value)) for name, value in parameters.items()},
+        }
         for name, (low, high) in region.items():
-            selector[name] = f"{low!r}:{high!r}"
+            selector[name] = f"{float(low)!r}:{float(high)!r}"
         body = self._session.query_one(suggestion_key(robot), parameters=selector)
         return SuggestionMessage.decode(body).suggestion()
 

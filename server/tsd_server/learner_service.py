@@ -26,6 +26,7 @@ from tsd_casadi.messages import (
     RecordReply,
     SuggestionMessage,
 )
+from tsd_casadi.task_parameters import RESERVED
 from tsd_server.service import Service, reply_json
 
 # robot chunk of replies to a query for any robot
@@ -33,8 +34,6 @@ EVERY = "all"
 # some ten times the laps of the slowest squat [bytes]
 LARGEST_RECORDING = 50_000_000
 OPTIONS = ("task", "kind", "extrapolate")
-# words that a task parameter cannot have for a name
-TAKEN = (*OPTIONS, "robot", "region")
 QUERY = "?task=squat;amplitude=0.05;frequency=0.25"
 REGION = "?task=squat;amplitude=0.02:0.08;frequency=0.2:0.6"
 
@@ -174,7 +173,7 @@ def _texts(query: zenoh.Query, example: str) -> dict[str, str]:
 
 def _number(name: str, text: str) -> float:
     """A task parameter; whether it makes sense is for the database to say."""
-    if name in TAKEN:
+    if name in RESERVED:
         raise InvalidValue(f"parameter '{name}'", repr(text), "the name of a task parameter")
     try:
         return float(text)

@@ -52,6 +52,10 @@ class LapMessage(Message):
             MalformedMessage: If shapes do not fit.
         """
         shape = k, len(self.phase)
+        if (self.error is None) != (self.reference is None):
+            raise MalformedMessage(
+                "a lap with only one of error and reference", "both of them, or neither"
+            )
         return Lap(
             phase=np.array(self.phase),
             feedback=to_matrix("feedback of a lap", self.feedback, shape),

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from tsd_casadi import load_robot
+from tsd_casadi.exceptions import InvalidValue
 from tsd_clients.commands.options import (
     ROBOT,
     JsonOption,
@@ -39,21 +40,32 @@ def reproduce(
     ] = False,
     robot: RobotOption = ROBOT,
     out: Annotated[
-        Path, typer.Option("--out", help="Folder for data, figures, report.html and summary.json.")
-    ] = Path("results/paper"),
+        Path | None,
+        typer.Option(
+            "--out",
+            help="Folder for data, figures, report.html and summary.json. Default: results/paper, "
+            "with --quick results/paper-quick.",
+        ),
+    ] = None,
     page: Annotated[
-        Path | None, typer.Option("--page", help="Write the report as Markdown to this file too.")
+        Path | None,
+        typer.Option("--page", help="Write the report as Markdown to this file (.md) too."),
     ] = None,
     json_file: JsonOption = None,
 ) -> None:
     """Run the paper's experiments and those beyond it; under 45 minutes on two cores.
 
     What is finished is kept in the folder and not run again, so an interrupted
-    run goes on where it stopped.
+    run goes on where it stopped. It is kept until robot, arguments or version
+    change: after a change of the code choose another --out.
     """
     from tsd_clients.reproduction.run import reproduce as run_experiments
 
-    check_writable(json_file)
+    if page is not None and page.suffix != ".md":
+        raise InvalidValue("--page", f"'{page}'", "a file that ends in .md")
+    check_writable(json_file, page)
+    if out is None:
+        out = Path("results/paper-quick" if quick else "results/paper")
     try:
         summary = run_experiments(load_robot(robot), out, figure=figure, quick=quick, page=page)
     except KeyboardInterrupt:

@@ -12,7 +12,7 @@ import typer
 from tsd_casadi import load_robot
 from tsd_casadi.contraction import Contraction
 from tsd_casadi.endpoints import LEARNER
-from tsd_casadi.exceptions import InvalidValue, SimulationError, TsdError
+from tsd_casadi.exceptions import InvalidValue, TsdError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions import Motion
 from tsd_casadi.progress import show_progress
@@ -153,7 +153,7 @@ def learn(
             typer.echo(f"note: {note}", err=True)
 
     runs = (iterations + 1.0) * max(auto, 1)
-    failure: SimulationError | None = None
+    failure: TsdError | None = None
     with (
         RemoteLearner(connect or [LEARNER]) as remote,
         open_controller(controller, loaded, connect) as opened,
@@ -186,14 +186,18 @@ def learn(
             learn_at([wanted], first=_first_feedforward(first, remote, loaded, wanted))
         fixed = {name: value for name, value in wanted.parameters.items() if name not in ranges}
         for _ in range(auto):
-            place = remote.suggest(motion, robot=loaded.name, region=ranges, **fixed)
+            before = len(summaries)
+            try:
+                place = remote.suggest(motion, robot=loaded.name, region=ranges, **fixed)
+            except TsdError as error:
+                failure = error
+                break
             if failure is not None and place.parameters == places[-1]["parameters"]:
                 break  # where nothing can be learned
-            before = len(summaries)
             try:
                 there = make_motion(motion, **place.parameters)
                 learn_at([there], first=_first_feedforward(first, remote, loaded, there))
-            except SimulationError as error:
+            except TsdError as error:
                 failure = error  # shown after what was learned before it
             errors = [summary["rms_error_m"] for summary in summaries[before:]]
             places.append({**asdict(place), "rms_errors_m": errors})

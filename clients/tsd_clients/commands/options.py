@@ -14,7 +14,7 @@ from tsd_casadi import Squat, compile_controller
 from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.endpoints import CONTROLLER, LEARNER
-from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.motions import Motion
 from tsd_casadi.robot import Robot
 from tsd_clients.center_of_mass_shift import CenterOfMassShift
@@ -184,9 +184,19 @@ def open_controller(
         choice: Where it runs.
         robot: The robot.
         connect: Endpoints of the service.
+
+    Raises:
+        ServiceUnreachable: If no service answers.
+        SimulationError: If the service has other files of the robot.
     """
     if choice is ControllerChoice.LOCAL:
         yield compile_controller(robot)
         return
     with RemoteController(robot.name, connect or [CONTROLLER]) as remote:
+        if remote.model != robot.fingerprint:
+            raise SimulationError(
+                f"the controller service was started with other files of {robot.name} (model "
+                f"{remote.model}) than {robot.path} (model {robot.fingerprint}); start it again "
+                "with the same --robot"
+            )
         yield remote

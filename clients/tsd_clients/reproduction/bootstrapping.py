@@ -145,8 +145,8 @@ class Bootstrapping(Experiment):
         worst = f"{100 * min(self._errors):g} %"
         return Section(
             title="Bootstrapping: from an easier squat to one that fails from nothing",
-            claim="Learning needs a working solution first. For a task that has none, the paper "
-            "proposes the feedforward of a less complex task.",
+            claim="The paper: learning needs a working solution first. For a task that has none, "
+            "the paper proposes the feedforward of a less complex task.",
             found=[
                 "The hard task is the squat with P = 10 and D of the same damping ratio, knees at "
                 f"1.0 rad. What it starts from was learned in {EASIER_ITERATIONS} iterations: the "

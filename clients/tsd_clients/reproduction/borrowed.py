@@ -79,6 +79,9 @@ DONORS = (
     ),
     Donor("half a lap late", _same, shift_by_half_a_lap),
     Donor("1.5 times", _same, lambda weights: [1.5 * weight for weight in weights]),
+    # the error without feedforward is that of twice the feedforward, with the other sign
+    Donor("1.9 times", _same, lambda weights: [1.9 * weight for weight in weights]),
+    Donor("2.2 times", _same, lambda weights: [2.2 * weight for weight in weights]),
     Donor("3 times", _same, lambda weights: [3 * weight for weight in weights]),
     Donor("sign flipped", _same, lambda weights: [-weight for weight in weights]),
     Donor("-10 % robot", lambda case: replace(case, model_error=-0.1), _unchanged),
@@ -185,7 +188,7 @@ class Borrowed(Experiment):
             jobs[source.name] = source
             if source.name in done:
                 result = done[source.name]
-                weights = donor.change(result.weights(_last(result)))
+                weights = donor.change(result.weights(result.last_iteration()))
                 name = self._name(world, donor)
                 arguments = {"case": case.plain(), "weights": weights}
                 jobs[name] = Job(name, "borrowed:replay_gated", arguments, cost=8)
@@ -231,19 +234,25 @@ class Borrowed(Experiment):
             f"feedforward makes more than {100 * TIE:.0f} % difference, and in "
             f"{sum(each.right for each in verdicts)} of all {len(verdicts)}."
         ]
-        if times:
+        after = [
+            each.gated / each.none
+            for each in verdicts
+            if each.dropped_after is not None and each.gated is not None
+        ]
+        if times and after:
             found.append(
                 f"What it dropped it dropped {min(times):.2f} to {max(times):.2f} laps after the "
-                "motion began; from then on the error is that of no feedforward."
+                f"motion began; its RMS error is then {min(after):.2f} to {max(after):.2f} times "
+                "that without feedforward."
             )
         world, case = next(iter(self._worlds.items()))
         flipped = next(each for each in self._donors if each.name == "sign flipped")
         panel = _curves(done[f"borrowed-{world}-none"], done[self._name(world, flipped)])
         return Section(
             title="Borrowed feedforward",
-            claim="The feedforward of one task may be used for another. That is only safe if it "
-            "is noticed when it does not fit: the gate predicts from the gains what the error "
-            "would be without it, and drops it where that is smaller.",
+            claim="Asked here: the feedforward of one task may be used for another. That is only "
+            "safe if it is noticed when it does not fit: the gate predicts from the gains what "
+            "the error would be without it, and drops it where that is smaller.",
             found=found,
             tables=[
                 Table(
@@ -281,8 +290,3 @@ def _row(verdict: Verdict) -> list[str]:
         "kept" if dropped is None else f"{dropped:.2f}",
         ("right" if verdict.right else "wrong") + (" (tie)" if verdict.tied else ""),
     ]
-
-
-def _last(result: Result) -> str:
-    rows = [row["label"] for row in result.rows if row["label"].startswith("iteration")]
-    return str(rows[-1])

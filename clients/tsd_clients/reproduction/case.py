@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from tsd_casadi import Database, Squat
+from tsd_casadi.contraction import Contraction
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.feedforward import Feedforward, Kind
 from tsd_casadi.periodic_basis import PeriodicBasis
@@ -124,6 +125,7 @@ def learn_case(
     rule: Rule,
     iterations: int,
     first: Sequence[float] | None = None,
+    seeds: Sequence[int] | None = None,
     learner: Learner | None = None,
     corrections: Sequence[Correction] = (),
     transport: str = "local",
@@ -137,14 +139,17 @@ def learn_case(
         rule: The learning rule.
         iterations: N; there are N + 1 runs.
         first: Weights to start from, (L,) [m/s^2].
+        seeds: One for each of the N + 1 runs; the case's for all by default.
         learner: Where to record; a database that is thrown away by default.
         corrections: What else changes commands and torques.
         transport: How the controller is reached.
 
     Returns:
-        Rows labelled 'iteration 0' ... and, by harmonic, what the learning
-        filter predicted and what was seen. The last row has 'stopped' if the
-        robot fell or never settled.
+        Rows labelled 'iteration 0' ... The last row has 'stopped' if the robot
+        fell or never settled. With a database of its own, by harmonic: what the
+        filter of each iteration predicted at most and what the plain sum would
+        leave, 'filter/predicted' and 'filter/plain', (N, harmonics), and what
+        was left, 'filter/observed'; NaN where nothing could be told.
     """
     if learner is None:
         with tempfile.TemporaryDirectory() as folder, Database(Path(folder) / "case") as database:
@@ -155,6 +160,7 @@ def learn_case(
                 rule=rule,
                 iterations=iterations,
                 first=first,
+                seeds=seeds,
                 learner=database,
                 corrections=corrections,
                 transport=transport,
@@ -162,10 +168,14 @@ def learn_case(
     from tsd_casadi.exceptions import SimulationError
 
     outcome = Outcome()
+    filters: list[Contraction] = []
 
     def keep(run: Run, notes: list[str]) -> None:
         label = f"iteration {len(outcome.rows)}"
         outcome.add(label, run, notes=notes, served=run.feedforward.iteration)
+        if isinstance(learner, Database):
+            # of the iteration that is learned from this run
+            filters.extend(learner.entries()[0].contractions[:1])
         if label == "iteration 0" and run.laps:
             # one whole lap, for the encoding error
             outcome.arrays["lap/phase"] = run.laps[0].phase
@@ -184,14 +194,19 @@ def learn_case(
             gains=case.gains,
             first=None if first is None else feedforward_of(case, robot, first, "nearest"),
             corrections=corrections,
-            seed=case.seed,
+            seed=case.seed if seeds is None else seeds,
             transport=transport,
             on_run=keep,
         )
     except SimulationError as error:
         outcome.rows.append({"label": "stopped", "stopped": str(error)})
-    if isinstance(learner, Database):
-        _keep_filters(outcome, learner)
+    if isinstance(learner, Database) and filters:
+        for name in ("predicted", "plain"):
+            rows = [getattr(each, name) for each in filters]
+            outcome.arrays[f"filter/{name}"] = np.array(rows, dtype=float)  # None is NaN
+        observed = learner.entries()[0].observed_contractions()
+        if observed is not None:
+            outcome.arrays["filter/observed"] = observed
     return outcome
 
 
@@ -261,13 +276,3 @@ def feedforward_of(case: Case, robot: Robot, weights: Sequence[float], kind: Kin
         kind=kind,
         parameters=motion.parameters,
     )
-
-
-def _keep_filters(outcome: Outcome, database: Database) -> None:
-    for entry in database.entries():
-        for learning_filter in entry.filters():
-            outcome.arrays["filter/predicted"] = learning_filter.worst_contraction
-            outcome.arrays["filter/plain"] = learning_filter.plain_contraction
-        observed = entry.observed_contractions()
-        if observed is not None:
-            outcome.arrays["filter/observed"] = observed

@@ -126,9 +126,9 @@ class CenterOfMass(Experiment):
         ]
         return Section(
             title="Honest errors: the true centre of mass",
-            claim="With errors that differ from link to link the controller computes a wrong "
-            "centre of mass: learning drives the error that it sees to zero and leaves the true "
-            "one millimetres off.",
+            claim="Asked here: with errors that differ from link to link the controller computes a "
+            "wrong centre of mass: learning drives the error that it sees to zero and leaves the "
+            "true one millimetres off.",
             found=[
                 "A statically equivalent serial chain fitted to centres of pressure measured in "
                 f"{jobs[0].arguments['poses']} standing poses (noise {1e3 * NOISE:g} mm) corrects "

@@ -115,7 +115,6 @@ def draw_lines(
     xlabel: str,
     ylabel: str,
     *,
-    title: str = "",
     logx: bool = False,
     logy: bool = True,
     turn: int = len(COLOURS),
@@ -126,7 +125,6 @@ def draw_lines(
         lines: Legend, x and y of each.
         xlabel: Of the x axis.
         ylabel: Of the y axis.
-        title: Heading.
         logx: Logarithmic x axis.
         logy: Logarithmic y axis.
         turn: After so many lines the colours begin again, dashed.
@@ -136,7 +134,7 @@ def draw_lines(
         colour = COLOURS[index % turn]
         style = "-" if index < turn else "--"
         axes.plot(x, y, "o", linestyle=style, color=colour, label=legend, markersize=4)
-    axes.set(xlabel=xlabel, ylabel=ylabel, title=title)
+    axes.set(xlabel=xlabel, ylabel=ylabel)
     if logx:
         axes.set_xscale("log")
     if logy:
@@ -170,7 +168,7 @@ def draw_bands(
         top.plot(x, outcome, "--", color=colour)
         axes.fill_between(x, -2 * std, 2 * std, color=colour, alpha=0.25)
         axes.plot(x, outcome - mean, "--", color=colour)
-        axes.set_ylabel("off by")
+        axes.set_ylabel("off by\n[m/s²]")
     for axes in panels:
         axes.grid(alpha=0.3)
     top.set_ylabel(ylabel)

@@ -86,7 +86,8 @@ class Section:
 
     Attributes:
         title: Heading.
-        claim: What the paper says, in our words; or what is asked.
+        claim: What the paper says, in our words, or what is asked here; it begins
+            with whose it is.
         found: What was measured, sentences.
         tables: Tables.
         figures: Figures.

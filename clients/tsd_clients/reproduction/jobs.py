@@ -17,10 +17,11 @@ from time import time
 from typing import Any
 from zipfile import BadZipFile
 
+import mujoco
 import numpy as np
 
 from tsd_casadi import Controller, __version__, compile_controller, load_robot
-from tsd_casadi.exceptions import TsdError
+from tsd_casadi.exceptions import SimulationError, TsdError
 from tsd_casadi.robot import Robot
 from tsd_casadi.state import Vector
 from tsd_clients.reproduction.case import Outcome
@@ -49,13 +50,19 @@ class Job:
     over_network: bool = False
 
     def fingerprint(self, robot: Robot) -> str:
-        """What the stored result must have been made from."""
+        """What the stored result must have been made from.
+
+        The program itself counts by its version only.
+        """
+        scenes = [path.read_text() for path in sorted(robot.path.parent.glob("*.xml"))]
         content = [
             self.function,
             self.arguments,
             self.over_network,
             __version__,
             robot.fingerprint,
+            mujoco.__version__,
+            scenes,
         ]
         return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
@@ -84,6 +91,17 @@ class Result:
             if row["label"] == label:
                 return row
         raise KeyError(label)
+
+    def last_iteration(self) -> str:
+        """Label of the last iteration that was run.
+
+        Raises:
+            SimulationError: If not even the first one was.
+        """
+        labels = [row["label"] for row in self.rows if row["label"].startswith("iteration")]
+        if not labels:
+            raise SimulationError(f"nothing was learned: {self.rows[-1].get('stopped')}")
+        return str(labels[-1])
 
     def errors(self, name: str = "rms_error_m") -> Vector:
         """One measure of every run that has it, in order."""
@@ -133,6 +151,9 @@ class Store:
 
     def save(self, job: Job, outcome: Outcome, span: Span) -> Result:
         """Keep an outcome; the description comes last and says that all is there."""
+        described = self.folder / f"{job.name}.json"
+        # an older description must not be found beside newer arrays
+        described.unlink(missing_ok=True)
         np.savez_compressed(self.folder / f"{job.name}.npz", **outcome.arrays)  # type: ignore[arg-type]
         document = {
             "fingerprint": job.fingerprint(self.robot),
@@ -143,8 +164,13 @@ class Store:
         }
         part = self.folder / f"{job.name}.json.part"
         part.write_text(json.dumps(document))
-        part.rename(self.folder / f"{job.name}.json")
+        part.rename(described)
         return Result(outcome.rows, outcome.arrays, span)
+
+
+def cores() -> int:
+    """Number of processors that this process may use."""
+    return len(os.sched_getaffinity(0))
 
 
 def run_jobs(
@@ -186,7 +212,7 @@ def _finished(jobs: Sequence[Job], robot: Robot) -> Iterator[_Finished]:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     path = str(robot.path)
     with ProcessPoolExecutor(
-        os.cpu_count(), mp_context=get_context("spawn"), initializer=_leave_interrupts
+        cores(), mp_context=get_context("spawn"), initializer=_leave_interrupts
     ) as pool:
         futures = {pool.submit(_work, path, job): job for job in local}
         try:

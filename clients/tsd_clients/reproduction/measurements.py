@@ -12,6 +12,7 @@ from tsd_clients.reproduction.experiment import Done
 RUNS = "runs.csv"
 WEIGHTS = "weights.csv"
 KEY = ("job", "label")
+NO_MEASURES = {"robot_file"}  # a place on this machine
 
 
 def write_measurements(done: Done, folder: Path) -> None:
@@ -42,12 +43,12 @@ def write_measurements(done: Done, folder: Path) -> None:
 def _runs(done: Done) -> Iterator[dict[str, Any]]:
     for job, result in sorted(done.items()):
         for row in result.rows:
-            plain = {name: value for name, value in row.items() if _is_cell(value)}
+            plain = {
+                name: value
+                for name, value in row.items()
+                if name not in NO_MEASURES and isinstance(value, bool | int | float | str)
+            }
             yield {"job": job, "label": row["label"], **plain}
-
-
-def _is_cell(value: Any) -> bool:
-    return isinstance(value, bool | int | float | str)
 
 
 def _weights(done: Done) -> Iterator[tuple[str, str, list[float]]]:

@@ -68,12 +68,13 @@ def compare(
     start = HOLD + 1.25 / setting.squat.frequency
     push = Push(start, PUSH_DURATION, IMPULSE)
     calm = drive(alternative, bench, setting, setting.squat).log
-    pushed = drive(alternative, bench, setting, setting.squat, [push]).log
+    after = drive(alternative, bench, setting, setting.squat, [push])
+    pushed = after.log
     count = min(len(calm["time"]), len(pushed["time"]))
     time = calm["time"][:count] - start
     deflection = pushed["true_error"][:count] - calm["true_error"][:count]
     peak = float(np.abs(deflection[time >= 0]).max())
-    outcome.rows.append({"label": "push", "deflection_m": peak})
+    outcome.rows.append({"label": "push", "deflection_m": peak, "fell": after.fell})
     window = (time >= -0.1) & (time < SEEN)
     outcome.arrays["push/time"] = time[window]
     outcome.arrays["push/deflection"] = deflection[window]
@@ -136,7 +137,7 @@ class Methods(Experiment):
         scenarios = ("stand-in",) if self.quick else tuple(SCENARIOS)
         section = Section(
             title="What a user would do instead",
-            claim="Learning joint torques might do the same but generalises poorly; "
+            claim="The paper: learning joint torques might do the same but generalises poorly; "
             "identification never describes a complex system completely.",
         )
         for scenario in scenarios:
@@ -173,6 +174,7 @@ class Methods(Experiment):
         }
         names = [_name(scenario, f"{method}, generalised") for method in GENERALISED]
         pairs["generalised to 5 cm"] = [done[name].row("generalised")[MEASURE] for name in names]
+        pairs = {heading: pair for heading, pair in pairs.items() if None not in pair}
         told = ", ".join(
             f"{heading} {torque / acceleration:.2g}"
             for heading, (acceleration, torque) in pairs.items()
@@ -246,6 +248,8 @@ def _winners(scenario: str, results: dict[str, Result]) -> str:
 
 def _recovery(result: Result) -> str:
     """Until the deflection stays small."""
+    if result.row("push").get("fell"):
+        return "fell"
     time, deflection = result.arrays["push/time"], result.arrays["push/deflection"]
     away = np.flatnonzero(np.abs(deflection) > RECOVERED)
     if not away.size:

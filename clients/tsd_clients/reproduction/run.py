@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from time import monotonic
@@ -12,13 +11,16 @@ from typing import Any
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.progress import console, show_progress
 from tsd_casadi.robot import Robot
+from tsd_clients.hardware import check_effects
+from tsd_clients.reproduction.alternatives import SCENARIOS
 from tsd_clients.reproduction.amplitude_generalisation import AmplitudeGeneralisation
 from tsd_clients.reproduction.bootstrapping import Bootstrapping
 from tsd_clients.reproduction.borrowed import Borrowed
+from tsd_clients.reproduction.case import Case
 from tsd_clients.reproduction.center_of_mass import CenterOfMass
 from tsd_clients.reproduction.duration import time_taken
 from tsd_clients.reproduction.experiment import Experiment, Goal
-from tsd_clients.reproduction.jobs import Result, Store, run_jobs
+from tsd_clients.reproduction.jobs import Result, Store, cores, run_jobs
 from tsd_clients.reproduction.low_gain import LowGain
 from tsd_clients.reproduction.measurements import write_measurements
 from tsd_clients.reproduction.methods import Methods
@@ -79,10 +81,12 @@ def reproduce(
         The summary.
 
     Raises:
-        InvalidValue: If no experiment reproduces that figure.
+        InvalidValue: If no experiment reproduces that figure, or the robot cannot
+            do what they ask for.
         TsdError: If something cannot be written or a service does not start.
     """
     experiments = choose_experiments(figure, quick)
+    check_cases(experiments, robot)
     store = Store(out / "data", robot)
     done = run_all(experiments, store)
     start = monotonic()
@@ -110,6 +114,27 @@ def reproduce(
     summary = {**made_with, "rows": [goal.plain() for goal in goals]}
     (out / "summary.json").write_text(json.dumps(summary, indent=2))
     return summary
+
+
+def check_cases(experiments: Sequence[Experiment], robot: Robot) -> None:
+    """Refuse a robot that cannot do what the experiments ask for, before anything runs.
+
+    Args:
+        experiments: The experiments.
+        robot: The robot.
+
+    Raises:
+        InvalidValue: If a squat is out of the robot's range.
+        RobotFileError: If the robot file has no section 'hardware'.
+    """
+    arguments = [job.arguments for experiment in experiments for job in experiment.jobs({})]
+    for case in (Case.of(each["case"]) for each in arguments if "case" in each):
+        case.motion.check(robot)
+        check_effects(robot, case.hardware)
+    for scenario in (SCENARIOS[each["scenario"]] for each in arguments if "scenario" in each):
+        for motion in scenario.transfers.values():
+            motion.check(robot)
+        check_effects(robot, scenario.hardware)
 
 
 def duration_goals(quick: bool, minutes: float) -> list[Goal]:
@@ -151,7 +176,7 @@ def run_all(experiments: Sequence[Experiment], store: Store) -> dict[str, Result
             continue
         stage += 1
         # bars are for terminals only; a log should tell as well that work is under way
-        work = sum(job.cost for job in pending.values()) / (os.cpu_count() or 1) / 60
+        work = sum(job.cost for job in pending.values()) / cores() / 60
         console.print(f"stage {stage}: {len(pending)} jobs, at most {work:.0f} minutes or so")
         with show_progress(f"stage {stage}, {len(pending)} jobs", 1.0) as report:
             done.update(run_jobs(list(pending.values()), store, report))

@@ -94,7 +94,7 @@ class Stills(Experiment):
         row, time, z = result.row("lap"), result.arrays["time"], result.arrays["com_z"]
         section = Section(
             title="One squat in pictures",
-            claim="Stills of the robot performing one squat.",
+            claim="The paper: stills of the robot performing one squat.",
             found=[
                 f"The centre of mass moves by {1e3 * float(np.ptp(z)):.1f} mm, the tracking error "
                 f"is {1e3 * row['rms_error_m']:.3f} mm RMS."
