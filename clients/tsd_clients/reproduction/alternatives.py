@@ -201,9 +201,20 @@ def measure(
         scenario: Simulated robot.
         squat: What to do.
     """
+    return describe(drive(alternative, bench, scenario, squat), alternative, scenario)
+
+
+def describe(run: Run, alternative: Alternative, scenario: Scenario) -> dict[str, Any]:
+    """One run with a method, plain data.
+
+    Args:
+        run: The run.
+        alternative: The method.
+        scenario: Simulated robot.
+    """
     return {
         "scenario": scenario.name,
-        **measures(drive(alternative, bench, scenario, squat)),
+        **measures(run),
         "numbers_learned": alternative.numbers_learned,
         "repetitions": alternative.repetitions,
     }

@@ -14,8 +14,8 @@ from tsd_clients.reproduction.alternative_methods import GENERALISED, METHODS
 from tsd_clients.reproduction.alternatives import (
     SCENARIOS,
     compare_generalised,
+    describe,
     drive,
-    measure,
     prepare,
 )
 from tsd_clients.reproduction.case import Outcome
@@ -29,6 +29,7 @@ from tsd_clients.reproduction.experiment import (
     millimetres,
 )
 from tsd_clients.reproduction.jobs import Job, Result
+from tsd_clients.run import Run
 
 IMPULSE = (0.0, 0.0, -10.0)  # N s
 PUSH_DURATION = 0.1  # s
@@ -52,7 +53,7 @@ def compare(
         controller: Its controller.
         method: Key of ``METHODS``.
         scenario: Key of ``SCENARIOS``.
-        transfers: What to measure.
+        transfers: What to measure; 'none' is the first.
 
     Returns:
         One row per transfer and one labelled 'push'; the deflection by the
@@ -61,20 +62,22 @@ def compare(
     setting = SCENARIOS[scenario]
     alternative, bench = prepare(robot, controller, method, setting)
     outcome = Outcome()
+    calm: Run | None = None
     for name in transfers:
-        row = measure(alternative, bench, setting, setting.transfers[name])
+        run = drive(alternative, bench, setting, setting.transfers[name])
+        row = describe(run, alternative, setting)
         outcome.rows.append({"label": name, "method": method, **row})
+        calm = calm or run
+    assert calm is not None  # the first transfer is the squat itself
     # in the second lap, where the robot is lowest
     start = HOLD + 1.25 / setting.squat.frequency
     push = Push(start, PUSH_DURATION, IMPULSE)
-    calm = drive(alternative, bench, setting, setting.squat).log
-    after = drive(alternative, bench, setting, setting.squat, [push])
-    pushed = after.log
-    count = min(len(calm["time"]), len(pushed["time"]))
-    time = calm["time"][:count] - start
-    deflection = pushed["true_error"][:count] - calm["true_error"][:count]
-    peak = float(np.abs(deflection[time >= 0]).max())
-    outcome.rows.append({"label": "push", "deflection_m": peak, "fell": after.fell})
+    pushed = drive(alternative, bench, setting, setting.squat, [push])
+    count = min(calm.ticks, pushed.ticks)
+    time = calm.log["time"][:count] - start
+    deflection = pushed.log["true_error"][:count] - calm.log["true_error"][:count]
+    peak = float(np.abs(deflection[time >= 0]).max(initial=0.0))
+    outcome.rows.append({"label": "push", "deflection_m": peak, "fell": pushed.fell})
     window = (time >= -0.1) & (time < SEEN)
     outcome.arrays["push/time"] = time[window]
     outcome.arrays["push/deflection"] = deflection[window]
