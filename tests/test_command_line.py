@@ -4,7 +4,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -254,6 +254,8 @@ def test_amplitude_of_five_asks_for_metres() -> None:
         (("learn", "squat", "--region", "amplitude"), ("--region", "--auto")),
         (("learn", "squat", "--auto", "2", "--region", "depth=0:1"), ("depth", "0.02:0.08")),
         (("learn", "squat", "--auto", "2", "--region", "amplitude=0:1"), ("amplitude", "0.08")),
+        (("reproduce", "--page", "report"), ("--page", ".md")),
+        (("reproduce", "--figure", "7"), ("figure is 7", "2, 3, 4, 5, 6")),
         (("controller", "--listen", "127.0.0.1"), ("endpoint", "tcp/127.0.0.1:7447")),
         (("controller", "--robot", "nobody.yaml"), ("no robot 'nobody.yaml'",)),
         (("database", "list", "--connect", "somewhere"), ("endpoint", "PROTOCOL/ADDRESS:PORT")),
@@ -292,6 +294,14 @@ def test_missing_compiler_is_one_message(tmp_path: Path) -> None:
 def test_wrong_usage_is_exit_code_2() -> None:
     assert tsd_command("simulate", "squat", "--amplitude", "wide").returncode == 2
     assert tsd_command("simulate", "squat", "--no-such-option").returncode == 2
+
+
+def test_a_controller_of_other_files_is_refused(
+    connect: list[str], write_robot: Callable[..., Path]
+) -> None:
+    other = str(write_robot(lambda document: document["posture"].update(P=41.0)))
+    done = tsd_command("simulate", "squat", "--robot", other, *connect)
+    assert_refused(done, "started with other files of hermes_lower", "same --robot")
 
 
 def test_fall_is_reported_with_exit_code_3(connect: list[str]) -> None:

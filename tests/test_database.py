@@ -1110,6 +1110,30 @@ def test_a_place_where_nothing_was_learned_is_not_suggested_again(database: Data
     assert (place.parameters["amplitude"], place.parameters["frequency"]) != (0.05, 0.4)
 
 
+def test_entries_of_one_frequency_say_nothing_of_others(database: Database) -> None:
+    """Not even if the lowest corner of the region has that frequency."""
+    learn_at(database, [(a, 0.2) for a in (0.02, 0.035, 0.05, 0.065, 0.08)])
+    visited = set()
+    for _ in range(4):
+        place = database.suggest("squat", region=REGION)
+        visited.add(place.parameters["frequency"])
+        learn_at(database, [(place.parameters["amplitude"], place.parameters["frequency"])])
+    assert max(visited) == 0.6
+
+
+@pytest.mark.parametrize("high", [0.08, 0.0777])
+def test_places_are_known_again_however_many_digits_they_have(
+    database: Database, high: float
+) -> None:
+    region, fixed = {"amplitude": (0.02, high)}, {"frequency": 1 / 3}
+    visited = []
+    for _ in range(6):
+        place = database.suggest("squat", region=region, **fixed)
+        visited.append(place.parameters["amplitude"])
+        learn_at(database, [(visited[-1], place.parameters["frequency"])])
+    assert len(set(visited)) == 6
+
+
 def test_a_region_without_a_free_place_is_refused(
     database: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -1137,3 +1161,21 @@ def test_regions_that_make_no_sense_are_refused(
 ) -> None:
     with pytest.raises(InvalidValue, match=named):
         database.suggest("squat", region=region, **fixed)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        "UPDATE entry SET context = '{}'",
+        "UPDATE entry SET axes = 'com.z'",
+        "UPDATE iteration SET weights = '[[1.0, '",
+    ],
+)
+def test_a_damaged_entry_is_named(path: Path, damage: str) -> None:
+    with Database(path) as database:
+        database.record(recording())
+    with closing(sqlite3.connect(path)) as plain:
+        plain.execute(damage)
+        plain.commit()
+    with Database(path) as database, pytest.raises(DatabaseError, match="damaged entry 1"):
+        database.entries()

@@ -105,6 +105,22 @@ def test_a_push_that_takes_no_time_is_refused(duration: float) -> None:
         Push(0.0, duration, (1.0, 0.0, 0.0))
 
 
+@pytest.mark.parametrize(
+    ("start", "impulse"), [(math.nan, (1.0, 0.0, 0.0)), (0.0, (0.0, math.inf, 0.0))]
+)
+def test_a_push_that_is_no_number_is_refused(
+    start: float, impulse: tuple[float, float, float]
+) -> None:
+    with pytest.raises(InvalidValue, match="finite numbers"):
+        Push(start, 0.1, impulse)
+
+
+@pytest.mark.parametrize("standard_deviation", [-1.0, math.nan, math.inf])
+def test_noise_that_cannot_be_is_refused(standard_deviation: float) -> None:
+    with pytest.raises(InvalidValue, match="torque noise"):
+        TorqueNoise(standard_deviation)
+
+
 def noise_of(noise: TorqueNoise, ticks: int) -> np.ndarray:
     found = []
     for tick in range(ticks):

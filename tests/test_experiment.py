@@ -1,10 +1,15 @@
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
 import pytest
 
-from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi import Robot, load_robot
+from tsd_casadi.exceptions import InvalidValue, RobotFileError
 from tsd_clients.reproduction.experiment import Goal, millimetres
-from tsd_clients.reproduction.run import EXPERIMENTS, choose_experiments
+from tsd_clients.reproduction.run import EXPERIMENTS, check_cases, choose_experiments
 
 
 @pytest.mark.parametrize(
@@ -29,6 +34,27 @@ def test_verdict(goal: str, measured: float | None, met: bool | None) -> None:
 @pytest.mark.parametrize("figure", [2, 3, 4, 5, 6])
 def test_every_figure_with_data_has_an_experiment(figure: int) -> None:
     assert choose_experiments(figure, quick=True)
+
+
+def test_a_robot_that_cannot_do_it_is_refused_before_anything_runs(
+    write_robot: Callable[..., Path],
+) -> None:
+    experiments = choose_experiments(None, quick=True)
+    robot = load_robot(write_robot(lambda document: document.pop("hardware")))
+    with pytest.raises(RobotFileError, match="hardware"):
+        check_cases(experiments, robot)
+
+    def lower(document: Any) -> None:
+        document["motions"]["squat"]["amplitude"] = [0.001, 0.04]
+
+    robot = load_robot(write_robot(lower))
+    with pytest.raises(InvalidValue, match="amplitude"):
+        check_cases(experiments, robot)
+
+
+def test_the_robot_of_the_paper_can_do_it(robot: Robot) -> None:
+    for quick in (True, False):
+        check_cases(choose_experiments(None, quick), robot)
 
 
 def test_other_figures_are_refused() -> None:

@@ -151,3 +151,33 @@ def test_simulate_says_what_it_dropped(
         assert words in captured.err
         assert ("dropped" in captured.err) is bool(words)
         assert json.loads(captured.out)["feedforward"] == ("none" if words else "generalised")
+
+
+def test_it_judges_the_borrowed_term_alone_and_drops_nothing_else() -> None:
+    """Others that are asked after it add to the feedforward."""
+    gate = FeedforwardGate()
+    gate.start(SimpleNamespace(axis=0, component=0, task="com", dt=DT))  # type: ignore[arg-type]
+    added, applied = 2.0, []
+    e = rate = 0.0
+    for tick in range(3000):
+        phase = math.pi + 2 * math.pi * FREQUENCY * tick * DT
+        moment: Any = Moment(
+            tick * DT,
+            phase,
+            tick // 1000,
+            None,  # type: ignore[arg-type]
+            Reference(0.0, 0.0, 0.0),
+            1.0,  # borrowed, of the wrong sign: it doubles the error
+            {"com.P": [P], "com.D": [D]},  # type: ignore[arg-type]
+        )
+        gate.before(moment)
+        moment.feedforward += added
+        applied.append(moment.feedforward)
+        moment.tick = SimpleNamespace(error=[e])
+        gate.after(moment)
+        # a disturbance of -1, and one that the others make up for
+        rate += DT * (-1.0 + added - moment.feedforward - D * rate - P * e)
+        e += DT * rate
+    assert gate.dropped_at is not None
+    assert applied[0] == 1.0 + added
+    assert applied[-1] == added

@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
 import pinocchio
 import pytest
 
-from tsd_casadi import Controller, Robot, Squat
+from tsd_casadi import Controller, Robot, Squat, load_robot
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.identification import (
     Observations,
@@ -151,6 +154,28 @@ def test_refused(robot: Robot) -> None:
     broken = Observations(observed.q, observed.v, observed.a, np.full_like(observed.tau, np.nan))
     with pytest.raises(InvalidValue, match="tau"):
         identify_with_friction(robot, broken)
+
+
+def test_observations_without_samples_or_of_another_robot_are_refused(robot: Robot) -> None:
+    observed = synthetic(robot, robot.model, 2)
+    with pytest.raises(InvalidValue, match=r"observed q.*shape"):
+        identify_inertias(robot, Observations(*(part[:0] for part in vars(observed).values())))
+    fewer = Observations(observed.q, observed.v, observed.a, observed.tau[:, :-1])
+    with pytest.raises(InvalidValue, match=r"observed tau.*shape"):
+        identify_inertias(robot, fewer)
+
+
+def test_a_link_without_mass_is_named(write_robot: Callable[..., Path]) -> None:
+    """Nothing is near to a body that cannot be."""
+
+    def lighten(text: str) -> str:
+        start = text.index('<link name="torso_yaw">')
+        end = text.index("</link>", start)
+        return text[:start] + '<link name="torso_yaw">' + text[end:]
+
+    robot = load_robot(write_robot(urdf=lighten))
+    with pytest.raises(InvalidValue, match=r"the link at .*mass 0 kg"):
+        identify_inertias(robot, synthetic(robot, robot.model, 2))
 
 
 def test_from_a_repetition(robot: Robot, controller: Controller) -> None:

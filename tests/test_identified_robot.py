@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import pinocchio
 import pytest
 
 from tsd_casadi import Robot, load_robot
+from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.identified_robot import write_robot
 
 
@@ -64,3 +66,22 @@ def test_links_on_fixed_joints_are_part_of_their_body(
         np.testing.assert_allclose(
             mine.toDynamicParameters(), theirs.toDynamicParameters(), atol=1e-12
         )
+
+
+@pytest.mark.parametrize("way", ["absolute", "upwards"])
+def test_a_urdf_elsewhere_is_refused_and_not_touched(
+    robot: Robot, write_robot: Callable[..., Path], tmp_path: Path, way: str
+) -> None:
+    from tsd_casadi.identified_robot import write_robot as write
+
+    path = write_robot()
+    moved = tmp_path / "elsewhere.urdf"
+    moved.write_bytes(robot.urdf_path.read_bytes())
+    named = str(moved) if way == "absolute" else os.path.relpath(moved, path.parent)
+    text = path.read_text()
+    path.write_text(text.replace(f"urdf: {robot.description.urdf}", f"urdf: {named}"))
+    loaded = load_robot(path)
+    before = moved.read_bytes()
+    with pytest.raises(RobotFileError, match="outside the robot file's folder"):
+        write(loaded, list(loaded.model.inertias)[1:], tmp_path / "written")
+    assert moved.read_bytes() == before

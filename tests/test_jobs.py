@@ -1,17 +1,18 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from tsd_casadi import Robot
-from tsd_casadi.exceptions import TsdError
+from tsd_casadi import Robot, load_robot
+from tsd_casadi.exceptions import SimulationError, TsdError
 from tsd_clients.reproduction.case import Outcome
 from tsd_clients.reproduction.experiment import Done, Experiment, Section
-from tsd_clients.reproduction.jobs import Job, Store, run_jobs
+from tsd_clients.reproduction.jobs import Job, Result, Store, run_jobs
 from tsd_clients.reproduction.run import run_all
 
 SPAN = (1000.0, 1002.5)
@@ -119,3 +120,34 @@ def test_a_folder_that_cannot_be_made_is_refused(robot: Robot, tmp_path: Path) -
     (tmp_path / "file").write_text("")
     with pytest.raises(TsdError, match="--out"):
         Store(tmp_path / "file" / "data", robot)
+
+
+def test_older_arrays_are_never_found_beside_newer_descriptions(
+    store: Store, outcome: Outcome, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    job = Job("one", "work:replay")
+    store.save(job, outcome, SPAN)
+
+    def full(*_: Any, **__: Any) -> None:
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(np, "savez_compressed", full)
+    with pytest.raises(OSError, match="no space"):
+        store.save(job, outcome, SPAN)
+    assert store.load(job) is None
+
+
+def test_the_last_iteration_is_not_the_stop() -> None:
+    rows = [{"label": "iteration 0"}, {"label": "iteration 1"}, {"label": "stopped"}]
+    assert Result(rows, {}, SPAN).last_iteration() == "iteration 1"
+    with pytest.raises(SimulationError, match="it fell"):
+        Result([{"label": "stopped", "stopped": "it fell"}], {}, SPAN).last_iteration()
+
+
+def test_another_scene_is_another_job(write_robot: Callable[..., Path]) -> None:
+    robot = load_robot(write_robot())
+    job = Job("one", "work:replay")
+    before = job.fingerprint(robot)
+    scene = next(robot.path.parent.glob("*.xml"))
+    scene.write_text(scene.read_text() + "<!-- harder ground -->")
+    assert job.fingerprint(load_robot(robot.path)) != before

@@ -131,6 +131,7 @@ def test_stock_example_is_ten_lines_of_zenoh_alone() -> None:
         ("?task=squat;amplitude=0.05;frequency=0.25;colour=1", "invalid_value"),
         ("?task=squat;amplitude=0.05;frequency=0.25;robot=1", "invalid_value"),
         ("?task=squat;amplitude=0.05;frequency=0.25;region=1", "invalid_value"),
+        ("?task=squat;amplitude=0.05;frequency=0.25;self=1", "invalid_value"),
         ("?task=squat;amplitude=0.05;frequency=0.25;height=inf", "invalid_value"),
         ("?task=squat;amplitude=0.05;frequency=0.25;height=high", "invalid_value"),
         ("?task=squat;amplitude=0.05;frequency=0.25;height=-0.01", "not_found"),
@@ -164,6 +165,7 @@ def test_bad_query_is_an_error_with_a_code(
         ("?task=squat;amplitude=-0.02:0.08;frequency=0.25", "invalid_value"),
         ("?task=squat;amplitude=0.02:0.08;frequency=0.25;colour=0:1", "invalid_value"),
         ("?task=squat;amplitude=0.02:0.08;frequency=0.25;robot=0:1", "invalid_value"),
+        ("?task=squat;amplitude=0.02:0.08;frequency=0.25;self=0:1", "invalid_value"),
         ("?task=squat;amplitude=0.02:0.08;frequency=0.25;extrapolate=true", "invalid_value"),
     ],
 )
@@ -196,6 +198,15 @@ def test_a_suggestion_for_an_unknown_robot_is_the_middle(learner: RemoteLearner)
     found = learner.suggest("squat", robot="another", region=region, frequency=0.25)
     assert found.parameters == {"amplitude": 0.05, "frequency": 0.25, "height": -0.01}
     assert found.standard_deviation is None
+
+
+def test_numbers_of_numpy_are_numbers(learner: RemoteLearner) -> None:
+    low, asked, high = np.linspace(0.02, 0.08, 3)
+    found = learner.query("squat", robot=ROBOT, amplitude=asked, frequency=np.float64(0.25))
+    assert found.parameters["amplitude"] == pytest.approx(0.05)
+    region = {"amplitude": (low, high)}
+    place = learner.suggest("squat", robot=ROBOT, region=region, frequency=np.float64(0.25))
+    assert 0.02 <= place.parameters["amplitude"] <= 0.08
 
 
 def test_height_may_be_left_out_and_may_be_negative(learner: RemoteLearner) -> None:

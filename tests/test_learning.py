@@ -431,3 +431,14 @@ def test_a_first_feedforward_starts_what_is_new_and_goes_if_it_harms(
     # an entry that exists is continued with what it has
     on = learn(simulator, controller, [SQUAT], database, laps=2, first=first)
     assert on[0].feedforward.kind == "learned"
+
+
+def test_every_repetition_may_have_its_own_seed(
+    simulator: MujocoSimulator, controller: Controller, tmp_path: Path
+) -> None:
+    with Database(tmp_path / "d.sqlite") as database:
+        runs = learn(simulator, controller, [SQUAT], database, laps=2, seed=[3, 4])
+        assert [run.settings["seed"] for run in runs] == [3, 4]
+        assert not np.array_equal(runs[0].log["q"][0], runs[1].log["q"][0])
+        with pytest.raises(InvalidValue, match=r"seeds is 3, expected one, or one for each of 2"):
+            learn(simulator, controller, [SQUAT], database, seed=[1, 2, 3])

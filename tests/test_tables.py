@@ -95,6 +95,12 @@ def test_entries_are_listed_with_what_is_served_and_how_good_it_is() -> None:
         assert part in text
 
 
+def test_an_entry_of_somebodys_own_client_may_have_fewer_measures() -> None:
+    entry = an_entry(0).model_copy(update={"iterations": [(0, {"rms_error_m": 1.5e-3}), (1, None)]})
+    reply = DatabaseReply(database="/tmp/d.sqlite", entries=[entry])
+    assert "1.5000" in printed(lambda: tables.print_entries(reply))
+
+
 def test_places_are_shown_with_units_and_what_was_known_before() -> None:
     places = [
         {
