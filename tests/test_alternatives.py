@@ -21,6 +21,7 @@ from tsd_clients.reproduction.alternatives import (
     measure,
     prepare,
 )
+from tsd_clients.reproduction.bench import Bench
 
 QUICK = Scenario("quick", Squat(0.02, 1.0), other_frequency=0.9)
 
@@ -74,9 +75,7 @@ def test_identified_controllers_know_the_true_weight(
 
     monkeypatch.setattr(alternative_methods, "compile_controller", keep)
     simulator = MujocoSimulator(robot, 0.1)
-    bench = alternative_methods.Bench(
-        robot, controller, simulator, QUICK.squat, 1, QUICK.gains, QUICK.seed
-    )
+    bench = Bench(robot, controller, simulator, QUICK.squat, 1, QUICK.gains, QUICK.seed)
     alternative = METHODS["identified, friction, excited"](bench)
     assert alternative.numbers_learned == 10 * (robot.n + 1) + 2 * robot.n
     (identified,) = compiled

@@ -107,7 +107,15 @@ class Identified:
 
 
 def nominal_parameters(robot: Robot) -> Vector:
-    """Parameters of all links as the robot's files have them, (10 (n + 1),)."""
+    """Parameters of all links as the robot's files have them.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        Mass [kg], first moments [kg m] and inertia about the joint's frame
+        [kg m^2] of each joint's body, base first, (10 (n + 1),).
+    """
     inertias = list(robot.model.inertias)[1:]
     return np.concatenate([inertia.toDynamicParameters() for inertia in inertias])
 
@@ -158,7 +166,15 @@ def inertial_rows(robot: Robot, observed: Observations) -> tuple[Matrix, Vector]
 
 
 def friction_rows(robot: Robot, observed: Observations) -> Matrix:
-    """Z^T S^T F for viscous, then Coulomb coefficients, (rows, 2 n)."""
+    """Z^T S^T F for viscous, then Coulomb coefficients.
+
+    Args:
+        robot: The robot, for its kinematics.
+        observed: What it did.
+
+    Returns:
+        (rows, 2 n), rows as in ``inertial_rows``.
+    """
     blocks = []
     for q, v in zip(observed.q, observed.v, strict=True):
         joints = v[6:]

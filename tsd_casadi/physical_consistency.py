@@ -87,12 +87,22 @@ class Block:
 
 
 def body(start: int, gamma: float) -> Block:
-    """A rigid body whose ten parameters start somewhere in x."""
+    """A rigid body whose ten parameters start somewhere in x.
+
+    Args:
+        start: Index of the first of them.
+        gamma: How much its nominal inertia is trusted.
+    """
     return Block(slice(start, start + PARAMETERS), _BASIS, gamma)
 
 
 def scalar(place: int, gamma: float) -> Block:
-    """A positive number somewhere in x."""
+    """A positive number somewhere in x.
+
+    Args:
+        place: Its index.
+        gamma: How much its nominal value is trusted.
+    """
     return Block(slice(place, place + 1), np.ones((1, 1, 1)), gamma)
 
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from tsd_casadi.controller import WholeBodyController, compile_controller
+from tsd_casadi.controller import compile_controller
 from tsd_casadi.database import Database
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.feedforward import Feedforward
@@ -29,7 +29,6 @@ from tsd_casadi.identified_robot import write_robot
 from tsd_casadi.iterative_learning import update_weights
 from tsd_casadi.motions import Motion
 from tsd_casadi.physical_consistency import PARAMETERS
-from tsd_casadi.robot import Robot
 from tsd_clients.correction import Correction
 from tsd_clients.disturbance_observer import DisturbanceObserver, usual_bandwidth
 from tsd_clients.excitation import Excitation
@@ -44,55 +43,7 @@ from tsd_clients.joint_torque_learning import (
     varied,
 )
 from tsd_clients.learning import learn, record_of
-from tsd_clients.repetition import Gains
-from tsd_clients.simulator import MujocoSimulator
-
-
-@dataclass(frozen=True)
-class Bench:
-    """Where a method is prepared.
-
-    Attributes:
-        robot: With its nominal model.
-        controller: Of that model.
-        simulator: The simulated robot.
-        motion: What is learned.
-        iterations: How many repetitions may be learned from.
-        gains: Factors on the task's gains.
-        seed: Of the starting randomness and the sensors' noise.
-    """
-
-    robot: Robot
-    controller: WholeBodyController
-    simulator: MujocoSimulator
-    motion: Motion
-    iterations: int
-    gains: Gains
-    seed: int
-
-    @property
-    def axis(self) -> str:
-        """Name of the learned axis."""
-        return f"{self.motion.task(self.robot)}.{self.motion.axis}"
-
-
-@dataclass(frozen=True)
-class Alternative:
-    """A method, ready to be measured.
-
-    Attributes:
-        controller: Nominal or identified.
-        feedforward: Along the learned axis.
-        corrections: What else it adds.
-        numbers_learned: How many numbers it takes from data.
-        repetitions: How many repetitions it took them from.
-    """
-
-    controller: WholeBodyController
-    feedforward: Feedforward | None = None
-    corrections: Sequence[Correction] = ()
-    numbers_learned: int = 0
-    repetitions: int = 0
+from tsd_clients.reproduction.bench import Alternative, Bench
 
 
 def learn_task(bench: Bench) -> Feedforward:
@@ -158,35 +109,59 @@ def learn_torque(bench: Bench) -> TorqueFeedforward:
 
 
 def nothing(bench: Bench) -> Alternative:
-    """Feedback alone."""
+    """Feedback alone.
+
+    Args:
+        bench: Where it is prepared.
+    """
     return Alternative(bench.controller)
 
 
 def integral(bench: Bench) -> Alternative:
-    """Integral action with its usual gain."""
+    """Integral action with its usual gain.
+
+    Args:
+        bench: Where it is prepared.
+    """
     return Alternative(bench.controller, corrections=[IntegralAction()])
 
 
 def stiff_integral(bench: Bench) -> Alternative:
-    """Integral action at half of the Routh limit."""
+    """Integral action at half of the Routh limit.
+
+    Args:
+        bench: Where it is prepared.
+    """
     Ki = math.prod(_gains(bench)) / 2
     return Alternative(bench.controller, corrections=[IntegralAction(Ki)])
 
 
 def observer(bench: Bench) -> Alternative:
-    """A disturbance observer with its usual bandwidth."""
+    """A disturbance observer with its usual bandwidth.
+
+    Args:
+        bench: Where it is prepared.
+    """
     return Alternative(bench.controller, corrections=[DisturbanceObserver()])
 
 
 def fast_observer(bench: Bench) -> Alternative:
-    """A disturbance observer as fast as the lags allow with some margin."""
+    """A disturbance observer as fast as the lags allow with some margin.
+
+    Args:
+        bench: Where it is prepared.
+    """
     _, D = _gains(bench)
     bandwidth = usual_bandwidth(bench.robot, D, crossover=1.0)
     return Alternative(bench.controller, corrections=[DisturbanceObserver(bandwidth)])
 
 
 def constant(bench: Bench) -> Alternative:
-    """Only the mean of what is learned in task accelerations."""
+    """Only the mean of what is learned in task accelerations.
+
+    Args:
+        bench: Where it is prepared.
+    """
     learned = learn_task(bench)
     return Alternative(
         bench.controller, learned.constant(), numbers_learned=1, repetitions=bench.iterations
@@ -194,7 +169,11 @@ def constant(bench: Bench) -> Alternative:
 
 
 def task_acceleration(bench: Bench) -> Alternative:
-    """The paper's rule."""
+    """The paper's rule.
+
+    Args:
+        bench: Where it is prepared.
+    """
     learned = learn_task(bench)
     return Alternative(
         bench.controller,
@@ -205,7 +184,11 @@ def task_acceleration(bench: Bench) -> Alternative:
 
 
 def stable_task_acceleration(bench: Bench) -> Alternative:
-    """The same by the stable rule."""
+    """The same by the stable rule.
+
+    Args:
+        bench: Where it is prepared.
+    """
     with tempfile.TemporaryDirectory() as folder, Database(Path(folder) / "learned") as database:
         learn(
             bench.simulator,
@@ -227,7 +210,11 @@ def stable_task_acceleration(bench: Bench) -> Alternative:
 
 
 def joint_torque(bench: Bench) -> Alternative:
-    """The same in joint torques."""
+    """The same in joint torques.
+
+    Args:
+        bench: Where it is prepared.
+    """
     learned = learn_torque(bench)
     return Alternative(
         bench.controller,
@@ -238,18 +225,30 @@ def joint_torque(bench: Bench) -> Alternative:
 
 
 def identified(bench: Bench) -> Alternative:
-    """A controller compiled from inertias identified in one repetition."""
+    """A controller compiled from inertias identified in one repetition.
+
+    Args:
+        bench: Where it is prepared.
+    """
     return _recompiled(bench, identify_inertias(bench.robot, _observed(bench)))
 
 
 def identified_with_friction(bench: Bench) -> Alternative:
-    """The same with joint friction, compensated by feedforward."""
+    """The same with joint friction, compensated by feedforward.
+
+    Args:
+        bench: Where it is prepared.
+    """
     found = identify_with_friction(bench.robot, _observed(bench))
     return _recompiled(bench, found, FrictionFeedforward(found.friction))
 
 
 def identified_with_excitation(bench: Bench) -> Alternative:
-    """The same from one repetition that sways on purpose."""
+    """The same from one repetition that sways on purpose.
+
+    Args:
+        bench: Where it is prepared.
+    """
     observed = _observed(bench, Excitation())
     found = identify_with_friction(bench.robot, observed)
     return _recompiled(bench, found, FrictionFeedforward(found.friction))
@@ -272,7 +271,12 @@ METHODS: dict[str, Callable[[Bench], Alternative]] = {
 
 
 def generalised_acceleration(benches: Sequence[Bench], asked: Motion) -> Alternative:
-    """Task accelerations for a motion that was never tried."""
+    """Task accelerations for a motion that was never tried.
+
+    Args:
+        benches: Where it is learned, motions that differ in one parameter at least.
+        asked: The motion that was never tried.
+    """
     learned = [learn_task(bench) for bench in benches]
     names, inputs = varied([item.parameters for item in learned])
     weights = [item.weights for item in learned]
@@ -294,7 +298,12 @@ def generalised_acceleration(benches: Sequence[Bench], asked: Motion) -> Alterna
 
 
 def generalised_torque(benches: Sequence[Bench], asked: Motion) -> Alternative:
-    """Joint torques for a motion that was never tried."""
+    """Joint torques for a motion that was never tried.
+
+    Args:
+        benches: Where it is learned, motions that differ in one parameter at least.
+        asked: The motion that was never tried.
+    """
     learned = [learn_torque(bench) for bench in benches]
     torques = generalise_torques(asked.name, learned, asked.parameters)
     return Alternative(

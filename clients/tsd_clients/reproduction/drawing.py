@@ -22,7 +22,16 @@ COLOURS = ("#3b6fb6", "#c8352b", "#d99a1c", "#2f7d4f", "#6b3fa0", "#777777", "#2
 
 
 def trace(result: Result, label: str, name: str) -> Any:
-    """One stored trace of a run."""
+    """One stored trace of a run.
+
+    Args:
+        result: The job's result.
+        label: Of the run.
+        name: One of ``case.TRACES``.
+
+    Returns:
+        (N,), a sample every ``case.TRACE_STEP`` ticks.
+    """
     return result.arrays[f"{label}/{name}"]
 
 

@@ -84,6 +84,9 @@ class Result:
     def row(self, label: str) -> dict[str, Any]:
         """The row of that label.
 
+        Args:
+            label: Unique in the result.
+
         Raises:
             KeyError: If there is none.
         """
@@ -104,11 +107,19 @@ class Result:
         return str(labels[-1])
 
     def errors(self, name: str = "rms_error_m") -> Vector:
-        """One measure of every run that has it, in order."""
+        """One measure of every run that has it, in order.
+
+        Args:
+            name: Of the measure; its unit is at the end of the name.
+        """
         return np.array([row[name] for row in self.rows if row.get(name) is not None])
 
     def weights(self, label: str) -> list[float]:
-        """Weights that a run used, (L,) [m/s^2]."""
+        """Weights that a run used, (L,) [m/s^2].
+
+        Args:
+            label: Of the run.
+        """
         return [float(value) for value in self.arrays[f"{label}/weights"][0]]
 
 

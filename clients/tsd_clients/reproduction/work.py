@@ -17,7 +17,15 @@ def learn(
     learner: Learner | None = None,
     **options: Any,
 ) -> Outcome:
-    """See ``learn_case``; case as plain data."""
+    """See ``learn_case``.
+
+    Args:
+        robot: The robot.
+        controller: Its controller, of the service if there is a learner.
+        case: The case, plain data.
+        learner: The learner service of a job over the network.
+        options: As of ``learn_case``.
+    """
     transport = "local" if learner is None else "zenoh"
     return learn_case(
         Case.of(case), robot, controller, learner=learner, transport=transport, **options
@@ -33,7 +41,17 @@ def replay(
     learner: Learner | None = None,
     **options: Any,
 ) -> Outcome:
-    """See ``replay_case``; case as plain data."""
+    """See ``replay_case``.
+
+    Args:
+        robot: The robot.
+        controller: Its controller, of the service if there is a learner.
+        case: The case, plain data.
+        weights: (L,) [m/s^2]; None for no feedforward.
+        kind: Where the weights come from.
+        learner: The learner service of a job over the network.
+        options: As of ``replay_case``.
+    """
     transport = "local" if learner is None else "zenoh"
     return replay_case(
         Case.of(case),

@@ -1,0 +1,61 @@
+"""Where a method is prepared, and what comes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.motions import Motion
+from tsd_casadi.robot import Robot
+from tsd_clients.correction import Correction
+from tsd_clients.repetition import Gains
+from tsd_clients.simulator import MujocoSimulator
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Where a method is prepared.
+
+    Attributes:
+        robot: With its nominal model.
+        controller: Of that model.
+        simulator: The simulated robot.
+        motion: What is learned.
+        iterations: How many repetitions may be learned from.
+        gains: Factors on the task's gains.
+        seed: Of the starting randomness and the sensors' noise.
+    """
+
+    robot: Robot
+    controller: WholeBodyController
+    simulator: MujocoSimulator
+    motion: Motion
+    iterations: int
+    gains: Gains
+    seed: int
+
+    @property
+    def axis(self) -> str:
+        """Name of the learned axis."""
+        return f"{self.motion.task(self.robot)}.{self.motion.axis}"
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """A method, ready to be measured.
+
+    Attributes:
+        controller: Nominal or identified.
+        feedforward: Along the learned axis.
+        corrections: What else it adds.
+        numbers_learned: How many numbers it takes from data.
+        repetitions: How many repetitions it took them from.
+    """
+
+    controller: WholeBodyController
+    feedforward: Feedforward | None = None
+    corrections: Sequence[Correction] = ()
+    numbers_learned: int = 0
+    repetitions: int = 0
