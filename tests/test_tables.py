@@ -75,10 +75,12 @@ def test_goals_say_whether_they_were_met() -> None:
     goals = [
         {"id": "one", "goal": "> 2", "measured": 3.0, "met": True},
         {"id": "two", "goal": "> 5", "measured": 4.0, "met": False},
+        {"id": "three [min]", "goal": "< 5", "measured": None, "met": None},
     ]
     text = printed(lambda: tables.print_goals(goals)).splitlines()
     assert any("one" in line and "met" in line for line in text)
     assert any("two" in line and "missed" in line for line in text)
+    assert any("three [min]" in line and "not covered" in line for line in text)
 
 
 def test_entries_are_listed_with_units() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 from rich import box
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from tsd_casadi.contraction import Contraction
@@ -82,10 +83,10 @@ def print_goals(goals: Sequence[dict[str, Any]]) -> None:
     table.add_column("")
     for goal in goals:
         if goal["measured"] is None:
-            table.add_row(goal["id"], goal["goal"], "-", "not covered")
+            table.add_row(escape(goal["id"]), goal["goal"], "-", "not covered")
             continue
         verdict = "[green]met[/green]" if goal["met"] else "[red]missed[/red]"
-        table.add_row(goal["id"], goal["goal"], f"{goal['measured']:.4g}", verdict)
+        table.add_row(escape(goal["id"]), goal["goal"], f"{goal['measured']:.4g}", verdict)
     console.print(table)
 
 
