@@ -18,6 +18,7 @@ from matplotlib import pyplot as plt
 
 # label of the legend, result, label of the run, style
 Curve = tuple[str, Result, str, str]
+MOST_MARKERS = 50
 COLOURS = ("#3b6fb6", "#c8352b", "#d99a1c", "#2f7d4f", "#6b3fa0", "#777777", "#20a0b0", "#a05030")
 
 
@@ -128,7 +129,7 @@ def draw_lines(
     logy: bool = True,
     turn: int = len(COLOURS),
 ) -> Any:
-    """Lines with markers.
+    """Lines, with markers where there is room for them.
 
     Args:
         lines: Legend, x and y of each.
@@ -142,7 +143,8 @@ def draw_lines(
     for index, (legend, x, y) in enumerate(lines):
         colour = COLOURS[index % turn]
         style = "-" if index < turn else "--"
-        axes.plot(x, y, "o", linestyle=style, color=colour, label=legend, markersize=4)
+        marker = "o" if len(x) <= MOST_MARKERS else ""
+        axes.plot(x, y, marker=marker, linestyle=style, color=colour, label=legend, markersize=4)
     axes.set(xlabel=xlabel, ylabel=ylabel)
     if logx:
         axes.set_xscale("log")

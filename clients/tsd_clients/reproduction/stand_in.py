@@ -237,8 +237,8 @@ def _bound_sentence(stable: Result, frictionless: Result | None) -> str:
     above = told & (observed[:count] > predicted[:count])
     sentence = (
         f"In the first {count} iterations {above.sum()} of {told.sum()} harmonics left more than "
-        "was predicted at most. The prediction is for a linear loop and each harmonic alone; friction turns an "
-        "error of one harmonic into some of the others."
+        "was predicted at most. The prediction is for a linear loop and each harmonic alone; "
+        "friction turns an error of one harmonic into some of the others."
     )
     if frictionless is not None:
         largest = float(np.nanmax(frictionless.arrays["filter/observed"]))
