@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +17,6 @@ from tsd_casadi.controller import compile_controller
 from tsd_casadi.database import Database
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.generalization import WeightRegression
 from tsd_casadi.identification import (
     Identified,
     Observations,
@@ -27,7 +25,6 @@ from tsd_casadi.identification import (
 )
 from tsd_casadi.identified_robot import write_robot
 from tsd_casadi.iterative_learning import update_weights
-from tsd_casadi.motions import Motion
 from tsd_casadi.physical_consistency import PARAMETERS
 from tsd_clients.correction import Correction
 from tsd_clients.disturbance_observer import DisturbanceObserver, usual_bandwidth
@@ -38,9 +35,7 @@ from tsd_clients.integral_action import IntegralAction
 from tsd_clients.joint_torque_learning import (
     LearnedTorque,
     TorqueFeedforward,
-    generalise_torques,
     learn_joint_torques,
-    varied,
 )
 from tsd_clients.learning import learn, record_of
 from tsd_clients.reproduction.bench import Alternative, Bench
@@ -267,56 +262,6 @@ METHODS: dict[str, Callable[[Bench], Alternative]] = {
     "identified": identified,
     "identified, friction": identified_with_friction,
     "identified, friction, excited": identified_with_excitation,
-}
-
-
-def generalised_acceleration(benches: Sequence[Bench], asked: Motion) -> Alternative:
-    """Task accelerations for a motion that was never tried.
-
-    Args:
-        benches: Where it is learned, motions that differ in one parameter at least.
-        asked: The motion that was never tried.
-    """
-    learned = [learn_task(bench) for bench in benches]
-    names, inputs = varied([item.parameters for item in learned])
-    weights = [item.weights for item in learned]
-    regression = WeightRegression(asked.name, names, inputs, weights, learned[0].basis)
-    mean, deviations = regression.predict(asked.parameters)
-    feedforward = replace(
-        learned[0],
-        weights=mean,
-        standard_deviations=deviations,
-        kind="generalised",
-        parameters=asked.parameters,
-    )
-    return Alternative(
-        benches[0].controller,
-        feedforward,
-        numbers_learned=sum(item.weights.size for item in learned),
-        repetitions=sum(bench.iterations for bench in benches),
-    )
-
-
-def generalised_torque(benches: Sequence[Bench], asked: Motion) -> Alternative:
-    """Joint torques for a motion that was never tried.
-
-    Args:
-        benches: Where it is learned, motions that differ in one parameter at least.
-        asked: The motion that was never tried.
-    """
-    learned = [learn_torque(bench) for bench in benches]
-    torques = generalise_torques(asked.name, learned, asked.parameters)
-    return Alternative(
-        benches[0].controller,
-        corrections=[LearnedTorque(torques)],
-        numbers_learned=sum(item.weights.size for item in learned),
-        repetitions=sum(bench.iterations for bench in benches),
-    )
-
-
-GENERALISED: dict[str, Callable[[Sequence[Bench], Motion], Alternative]] = {
-    "task acceleration": generalised_acceleration,
-    "joint torque": generalised_torque,
 }
 
 

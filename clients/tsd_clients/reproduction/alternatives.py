@@ -21,8 +21,9 @@ from tsd_casadi.robot import Robot
 from tsd_clients.disturbances import Disturbance
 from tsd_clients.model_error import ModelError
 from tsd_clients.repetition import Gains
-from tsd_clients.reproduction.alternative_methods import GENERALISED, METHODS
+from tsd_clients.reproduction.alternative_methods import METHODS
 from tsd_clients.reproduction.bench import Alternative, Bench
+from tsd_clients.reproduction.generalised_methods import GENERALISED
 from tsd_clients.run import Run
 from tsd_clients.simulator import UNCHANGED, MujocoSimulator
 

@@ -10,7 +10,7 @@ from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.robot import Robot
 from tsd_clients.disturbances import Push
 from tsd_clients.repetition import HOLD
-from tsd_clients.reproduction.alternative_methods import GENERALISED, METHODS
+from tsd_clients.reproduction.alternative_methods import METHODS
 from tsd_clients.reproduction.alternatives import (
     SCENARIOS,
     compare_generalised,
@@ -28,6 +28,7 @@ from tsd_clients.reproduction.experiment import (
     Table,
     millimetres,
 )
+from tsd_clients.reproduction.generalised_methods import GENERALISED
 from tsd_clients.reproduction.jobs import Job, Result
 from tsd_clients.run import Run
 
