@@ -17,13 +17,10 @@ from tsd_clients.plant import Plant
 from tsd_clients.reproduction.case import Case
 from tsd_clients.reproduction.experiment import Experiment
 from tsd_clients.reproduction.jobs import Result
-from tsd_clients.reproduction.stiffness_or_feedforward import (
-    IMPULSE,
-    StiffnessOrFeedforward,
-    highest_stable,
-    stiffness_for,
-)
+from tsd_clients.reproduction.stiffness_or_feedforward import StiffnessOrFeedforward
 from tsd_clients.reproduction.stiffness_runs import PUSH_DURATION, Stiffness, Witness
+from tsd_clients.reproduction.stiffness_sweep import end_of, highest_stable, stiffness_for
+from tsd_clients.reproduction.stiffness_tables import IMPULSE
 
 
 def row(factor: float, error: float | None, stable: bool = True) -> dict[str, Any]:
@@ -36,6 +33,17 @@ def test_a_power_law_is_found_inside_and_outside(C: float, power: float, error: 
     rows.append(row(100.0, None, False))
     assert stiffness_for(rows, error) == pytest.approx((C / error) ** (1 / power), rel=1e-6)
     assert highest_stable(rows) == 30
+
+
+def test_what_ends_a_sweep_is_the_least_stiff_failure() -> None:
+    rows = [
+        {**row(1.0, 1e-3), "fell": False, "failures": {}},
+        {**row(8.0, None, False), "fell": True, "failures": {}},
+        {**row(4.0, None, False), "fell": False, "failures": {"infeasible": 2}},
+    ]
+    assert end_of(rows) == "2 ticks infeasible"
+    assert end_of(rows[:2]) == "a fall"
+    assert end_of(rows[:1]) == "nothing in the sweep"
 
 
 def test_witness_sees_the_ground_force_of_the_step_before(

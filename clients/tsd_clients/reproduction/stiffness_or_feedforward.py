@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +12,13 @@ from tsd_clients.reproduction.case import Case
 from tsd_clients.reproduction.drawing import COLOURS, finish
 from tsd_clients.reproduction.experiment import Done, Experiment, Figure, Section, Table
 from tsd_clients.reproduction.jobs import Job, Result
+from tsd_clients.reproduction.stiffness_sweep import (
+    end_of,
+    highest_stable,
+    is_bounded,
+    needed,
+    stiffness_for,
+)
 from tsd_clients.reproduction.stiffness_tables import (
     IMPULSE,
     NOISE_HEAD,
@@ -40,53 +45,6 @@ QUICK_ITERATIONS = 1
 AC = "ac_rms_error_m"
 # a contender must not stand at the very edge
 MARGIN = 2.0
-
-
-def stiffness_for(
-    rows: Sequence[dict[str, Any]], error: float, measure: str = "rms_error_m"
-) -> float:
-    """The factor on P with a given error, by interpolation in log-log.
-
-    Beyond the sweep its last two stable points are continued.
-
-    Args:
-        rows: Of a sweep, with 'factor', the measure and 'stable'.
-        error: [m].
-        measure: Which error.
-    """
-    stable = sorted(
-        (row["factor"], row[measure]) for row in rows if row["stable"] and row[measure] is not None
-    )
-    factors, errors = np.log(np.array(stable)).T
-    # the first interval that ends below the wanted error, or the last one
-    below = np.flatnonzero(errors[1:] <= math.log(error))
-    after = int(below[0]) + 1 if below.size else len(errors) - 1
-    slope = (factors[after] - factors[after - 1]) / (errors[after] - errors[after - 1])
-    return math.exp(factors[after] + slope * (math.log(error) - errors[after]))
-
-
-def highest_stable(rows: Sequence[dict[str, Any]]) -> float:
-    """The largest factor of a sweep that works.
-
-    Args:
-        rows: Of a sweep.
-    """
-    return float(max(row["factor"] for row in rows if row["stable"]))
-
-
-def _needed(own: float, factor: float, limit: float) -> str:
-    return f"{own * factor:.3g}" + ("" if factor <= limit else " !")
-
-
-def _end_of(rows: Sequence[dict[str, Any]]) -> str:
-    """Why the least stiff run that did not work did not."""
-    failed = [row for row in rows if not row["stable"]]
-    if not failed:
-        return "nothing in the sweep"
-    first = min(failed, key=lambda row: float(row["factor"]))
-    if first["fell"]:
-        return "a fall"
-    return ", ".join(f"{count} ticks {status}" for status, count in first["failures"].items())
 
 
 class StiffnessOrFeedforward(Experiment):
@@ -187,10 +145,10 @@ class StiffnessOrFeedforward(Experiment):
                             world,
                             str(index),
                             f"{1e3 * error:.2g}",
-                            _needed(own, factor, limit),
+                            needed(own, factor, limit),
                             f"{factor / SOFT:.2g}",
                             f"{1e3 * alternating:.2g}",
-                            _needed(own, stiffness_for(rows, float(alternating), AC), limit),
+                            needed(own, stiffness_for(rows, float(alternating), AC), limit),
                         ]
                     )
             results = self._disturbed(done, world)
@@ -276,9 +234,6 @@ class StiffnessOrFeedforward(Experiment):
             for name in self._contenders(done, world)
         }
 
-    def _bounded(self, rows: Sequence[dict[str, Any]]) -> bool:
-        return any(not row["stable"] for row in rows)
-
     def _limits(self, done: Done, world: str, own: float) -> list[list[str]]:
         sweeps = {"none": f"stiffness-{world}-sweep"}
         if not self.quick:
@@ -288,8 +243,8 @@ class StiffnessOrFeedforward(Experiment):
             swept = done[name].rows
             limit = highest_stable(swept)
             chatter = next(row["chatter"] for row in swept if row["factor"] == limit)
-            more = "" if self._bounded(swept) else "above "
-            cells = [f"{more}{own * limit:.3g}", f"{100 * chatter:.2g}", _end_of(swept)]
+            more = "" if is_bounded(swept) else "above "
+            cells = [f"{more}{own * limit:.3g}", f"{100 * chatter:.2g}", end_of(swept)]
             rows.append([world, feedforward, *cells])
         return rows
 
