@@ -123,8 +123,8 @@ def _sentences(none: dict[str, float], learned: Result, reduced: Result) -> list
         f"smaller and the feedback {none['mean_abs_feedback'] / first['mean_abs_feedback']:.0f} "
         "times; almost all of the error without feedforward is a constant offset, without it "
         f"(AC) one iteration gives {none['ac_rms_error_m'] / first['ac_rms_error_m']:.1f} times. "
-        "The paper's order of magnitude is that of a soft or imperfect robot: see the stand-in, "
-        "and P = 20 in the sweep of model errors.",
+        "The paper speaks of an order of magnitude, on a robot with friction and lag: compare the "
+        "stand-in below.",
         "The error with a perfect model, which is not zero, is half a time step of the simulation.",
         f"With P / 5 the learned feedforward leaves {1e3 * low['rms_error_m']:.2f} mm, "
         f"{none['rms_error_m'] / low['rms_error_m']:.0f} times less than the full P without it, "
