@@ -1,7 +1,9 @@
 """Where services listen and how sessions are set up, without any discovery.
 
 Sessions never scout and listen only where they are told to, so nothing leaves
-the machine unless an endpoint says so.
+the machine unless an endpoint says so. Whoever listens is a service and takes in
+queries only: without an access list it would relay the answers of any session
+that declares itself on the same keys.
 """
 
 from __future__ import annotations
@@ -22,6 +24,33 @@ LEARNER = "tcp/127.0.0.1:7448"
 RUNTIME = (
     "(rx:(worker_threads:1),tx:(handover:rx),net:(handover:rx),acc:(handover:rx),app:(handover:rx))"
 )
+
+# What another session may not send to a service: nothing is relayed, whatever the
+# key, so that a stranger's torque never reaches a client over the service's link.
+# It guards this link only; where a router stands between, TLS and roles are needed.
+REFUSED = [
+    "declare_queryable",
+    "reply",
+    "put",
+    "delete",
+    "declare_subscriber",
+    "liveliness_token",
+]
+ACCESS = {
+    "enabled": True,
+    "default_permission": "allow",
+    "rules": [
+        {
+            "id": "foreign",
+            "permission": "deny",
+            "flows": ["ingress"],
+            "messages": REFUSED,
+            "key_exprs": ["**"],
+        }
+    ],
+    "subjects": [{"id": "all"}],
+    "policies": [{"rules": ["foreign"], "subjects": ["all"]}],
+}
 
 _ENDPOINT = re.compile(
     r"(tcp|udp|tls|quic|ws)/(?P<host>\[[0-9a-fA-F:.%]+\]|[^\s/:]+):(?P<port>[0-9]{1,5})"
@@ -61,7 +90,7 @@ def session_settings(
     """Settings of a Zenoh session, as JSON by configuration key.
 
     Args:
-        listen: Endpoints to listen on.
+        listen: Endpoints to listen on; whoever does takes in nothing but queries.
         connect: Endpoints to connect to.
         low_latency: Leave out batching and priorities on the transport. Both
             ends must ask for it, otherwise the usual transport is used; then
@@ -91,6 +120,8 @@ def session_settings(
         # a frozen peer is noticed after this [ms]
         "transport/link/tx/lease": 1000,
     }
+    if listen:
+        settings["access_control"] = ACCESS
     if low_latency:
         settings["transport/unicast/lowlatency"] = True
         settings["transport/unicast/qos/enabled"] = False

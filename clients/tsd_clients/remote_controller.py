@@ -2,24 +2,34 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import zenoh
 
 from tsd_casadi.command import Command
 from tsd_casadi.endpoints import CONTROLLER
-from tsd_casadi.exceptions import LayoutMismatch, ServiceUnreachable, TwoServices
+from tsd_casadi.exceptions import (
+    LayoutMismatch,
+    MalformedMessage,
+    ServiceError,
+    ServiceUnreachable,
+    TwoServices,
+)
 from tsd_casadi.keys import info_key, tick_key
 from tsd_casadi.messages import InfoMessage
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick import Tick
 from tsd_casadi.tick_format import TickFormat
-from tsd_casadi.tick_message import REPLY, REQUEST, pack_tick, unpack_tick
+from tsd_casadi.tick_message import REPLY, REQUEST, TickMessage, pack_tick, unpack_tick
 from tsd_clients.session import PATIENCE, Session
 
 TICK_TIMEOUT = 0.5  # s
+
+_log = logging.getLogger(__name__)
 
 
 class RemoteController:
@@ -29,9 +39,15 @@ class RemoteController:
     service keeps nothing between ticks, so one that was restarted goes on
     where the other stopped.
 
+    Only the instance that ``info`` named is believed. The reply of any other is
+    dropped and counted, never applied; since an id can be copied, this guards
+    against accidents, the service's access list against strangers.
+
     Attributes:
         format: The meaning of requests and replies, from the service.
         model: Fingerprint of the service's robot description.
+        foreign_replies: Replies that were dropped, since they came from another
+            instance than the one that is believed, or held no numbers.
     """
 
     def __init__(self, robot: str, connect: Sequence[str] = (CONTROLLER,)) -> None:
@@ -48,6 +64,7 @@ class RemoteController:
         self._robot = robot
         self._session = Session("controller", connect, low_latency=True)
         self._sequence = 0
+        self.foreign_replies = 0
         try:
             self._session.wait_for(robot)
             info = self.info()
@@ -55,6 +72,7 @@ class RemoteController:
             self.model = info.model
             self._instance = info.instance
             self._layout = self.format.layout_hash
+            self._tau = self.format.reply.slice("tau")
             self._querier: Any = self._session.zenoh.declare_querier(
                 tick_key(robot),
                 target=zenoh.QueryTarget.ALL,
@@ -105,12 +123,14 @@ class RemoteController:
             command: What to do; its request vector takes the state.
 
         Returns:
-            The tick; look at its status before using more than tau.
+            The tick; look at its status before using more than tau. Its torque
+            keeps the command's ``limits.torque``, whoever answered.
 
         Raises:
             ServiceError: If the service refused the numbers.
             ServiceUnreachable: If it did not answer for some seconds.
-            TwoServices: If another service answers as well.
+            TwoServices: If another service says that it is the controller.
+            LayoutMismatch: If the service was restarted with another formulation.
         """
         command.set_state(state)
         self._sequence += 1
@@ -124,24 +144,66 @@ class RemoteController:
                 )
             time.sleep(0.02)
             reply = self._ask_once(payload)
+        limit = command["limits.torque"]
+        tau = reply[self._tau]
+        np.clip(tau, -limit, limit, out=tau)
         return Tick(self.format, reply)
 
     def _ask_once(self, payload: bytes) -> Vector | None:
+        """The reply of the instance that is believed; None if it has to be asked again."""
+        strangers: list[int] = []
+        refusal: ServiceError | None = None
         try:
-            body = self._session.body_of(self._querier.get(payload=payload).recv())
+            for reply in self._querier.get(payload=payload):
+                try:
+                    message = self._read(reply)
+                except ServiceError as error:
+                    refusal = error  # names no instance, so a torque goes before it
+                    continue
+                if message is None or message.instance != self._instance:
+                    strangers.append(0 if message is None else message.instance)
+                elif message.sequence == self._sequence:
+                    self._drop(strangers)
+                    return message.values.copy()
         except (ServiceUnreachable, zenoh.ZError):
-            return None  # timed out, or closed without a reply
-        message = unpack_tick(body, REPLY, self._layout, self.format.reply.size)
-        if message.sequence != self._sequence:
-            return None
-        if message.instance != self._instance:
-            self._accept_restart()
-        return message.values
+            refusal = None  # timed out, or closed without a reply
+        if refusal is not None:
+            raise refusal
+        if strangers and self._has_restarted():
+            strangers = [stranger for stranger in strangers if stranger != self._instance]
+        self._drop(strangers)
+        return None
 
-    def _accept_restart(self) -> None:
+    def _read(self, reply: Any) -> TickMessage | None:
+        """A reply's message; None if it is nothing that a controller of ours sends."""
+        body = self._session.body_of(reply)
+        try:
+            message = unpack_tick(body, REPLY, self._layout, self.format.reply.size)
+        except MalformedMessage:
+            return None
+        return message if np.isfinite(message.values).all() else None
+
+    def _drop(self, strangers: list[int]) -> None:
+        """Count replies that were not believed, and say so once."""
+        if strangers and self.foreign_replies == 0:
+            _log.warning(
+                "a tick of %s was answered by a stranger (instance %d, where %d is believed); such "
+                "replies are dropped and counted. Look for another program on the key %s",
+                self._robot,
+                strangers[0],
+                self._instance,
+                tick_key(self._robot),
+            )
+        self.foreign_replies += len(strangers)
+
+    def _has_restarted(self) -> bool:
+        """Whether the controller is another instance now; that one is believed from here on."""
         info = self.info()  # refuses two services at once
         if info.tick_format().layout_hash != self._layout:
             raise LayoutMismatch(
                 "the restarted controller has another formulation", "the one the run began with"
             )
+        if info.instance == self._instance:
+            return False
         self._instance = info.instance
+        return True
