@@ -22,10 +22,12 @@ from rich.table import Table
 from threadpoolctl import threadpool_limits
 
 from benchmarks.numeric_controller import NumericController
-from tsd_casadi import Controller, Squat, State, compile_controller, load_robot
+from tsd_casadi.controller import Controller, compile_controller
+from tsd_casadi.motions.squat import Squat
 from tsd_casadi.progress import show_progress
-from tsd_casadi.state import Vector
-from tsd_clients import MujocoSimulator
+from tsd_casadi.robot import load_robot
+from tsd_casadi.state import State, Vector
+from tsd_clients.simulator import MujocoSimulator
 from tsd_clients.tables import console
 
 PHASES = ("data", "factorisation", "solve")

@@ -9,13 +9,10 @@ from tsd_casadi import endpoints, keys
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.inverse_dynamics import InverseDynamics
 from tsd_casadi.layout import Layout
-from tsd_casadi.messages import (
-    FeedforwardMessage,
-    RecordMessage,
-    RecordReply,
-    SuggestionMessage,
-    json_schema,
-)
+from tsd_casadi.messages.feedforward import FeedforwardMessage
+from tsd_casadi.messages.learner import RecordMessage, RecordReply
+from tsd_casadi.messages.message import json_schema
+from tsd_casadi.messages.suggestion import SuggestionMessage
 from tsd_casadi.robot import load_robot
 from tsd_casadi.task_parameters import TASK_PARAMETERS
 from tsd_casadi.tick_format import STATUS_MEANING

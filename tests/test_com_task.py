@@ -7,7 +7,7 @@ import pytest
 
 from tsd_casadi import Robot
 from tsd_casadi.symbolic_dynamics import SymbolicDynamics
-from tsd_casadi.tasks import ComTask
+from tsd_casadi.tasks.com_task import ComTask
 from tsd_clients.parity import random_state
 
 STEP = 1e-6

@@ -8,7 +8,12 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from tsd_casadi import constraints
+from tsd_casadi.constraints.center_of_pressure import center_of_pressure
+from tsd_casadi.constraints.friction import friction
+from tsd_casadi.constraints.joint_acceleration import joint_acceleration
+from tsd_casadi.constraints.joint_torque import joint_torque
+from tsd_casadi.constraints.normal_torque import normal_torque
+from tsd_casadi.constraints.unilateral_force import unilateral_force
 from tsd_casadi.rows import INFINITY, Rows
 
 NV = 8
@@ -47,7 +52,7 @@ def check_each(found: dict[str, float], meaning: dict[str, tuple[float, float]])
 
 @given(wrench=wrenches)
 def test_center_of_pressure_is_inside_the_sole(wrench: np.ndarray) -> None:
-    rows = constraints.center_of_pressure("foot", ca.SX(ca.DM(SOLE)), NV, SELECTION)
+    rows = center_of_pressure("foot", ca.SX(ca.DM(SOLE)), NV, SELECTION)
     x, y = -wrench[4] / wrench[2], wrench[3] / wrench[2]
     check_each(
         slacks(rows, wrench),
@@ -64,7 +69,7 @@ def test_center_of_pressure_is_inside_the_sole(wrench: np.ndarray) -> None:
 def test_a_pure_push_at_a_point_is_allowed_iff_the_point_is_on_the_sole(
     x: float, y: float, press: float
 ) -> None:
-    rows = constraints.center_of_pressure("foot", ca.SX(ca.DM(SOLE)), NV, SELECTION)
+    rows = center_of_pressure("foot", ca.SX(ca.DM(SOLE)), NV, SELECTION)
     force = np.array([0.0, 0.0, press])
     wrench = np.concatenate((force, np.cross([x, y, 0.0], force)))
     edges = np.array([x - SOLE[0], SOLE[1] - x, y - SOLE[2], SOLE[3] - y])
@@ -77,7 +82,7 @@ def test_a_pure_push_at_a_point_is_allowed_iff_the_point_is_on_the_sole(
 def test_friction_rows_are_the_inscribed_pyramid(wrench: np.ndarray, mu: float) -> None:
     side = mu / np.sqrt(2) * wrench[2]
     check_each(
-        slacks(constraints.friction("foot", ca.SX(mu), NV, SELECTION), wrench),
+        slacks(friction("foot", ca.SX(mu), NV, SELECTION), wrench),
         {
             "foot.friction.-x": (-side, wrench[0]),
             "foot.friction.+x": (wrench[0], side),
@@ -89,7 +94,7 @@ def test_friction_rows_are_the_inscribed_pyramid(wrench: np.ndarray, mu: float) 
 
 @given(wrench=wrenches, mu=st.floats(0.05, 2.0))
 def test_friction_pyramid_lies_between_two_cones(wrench: np.ndarray, mu: float) -> None:
-    allowed = min(slacks(constraints.friction("foot", ca.SX(mu), NV, SELECTION), wrench).values())
+    allowed = min(slacks(friction("foot", ca.SX(mu), NV, SELECTION), wrench).values())
     tangential = np.hypot(wrench[0], wrench[1])
     if allowed >= 0:
         assert tangential <= mu * wrench[2] * (1 + 1e-12)
@@ -99,7 +104,7 @@ def test_friction_pyramid_lies_between_two_cones(wrench: np.ndarray, mu: float) 
 
 def test_friction_pyramid_touches_the_cone() -> None:
     mu = 0.5
-    rows = constraints.friction("foot", ca.SX(mu), NV, SELECTION)
+    rows = friction("foot", ca.SX(mu), NV, SELECTION)
     corner = mu / np.sqrt(2) * 100
     at_corner = slacks(rows, np.array([corner, -corner, 100.0, 0, 0, 0]))
     assert at_corner["foot.friction.+x"] == pytest.approx(0, abs=1e-12)
@@ -109,7 +114,7 @@ def test_friction_pyramid_touches_the_cone() -> None:
 @given(wrench=wrenches, gamma=st.floats(0.001, 0.5))
 def test_normal_torque_is_bounded_by_the_press(wrench: np.ndarray, gamma: float) -> None:
     check_each(
-        slacks(constraints.normal_torque("foot", ca.SX(gamma), NV, SELECTION), wrench),
+        slacks(normal_torque("foot", ca.SX(gamma), NV, SELECTION), wrench),
         {
             "foot.normal_torque.-z": (-gamma * wrench[2], wrench[5]),
             "foot.normal_torque.+z": (wrench[5], gamma * wrench[2]),
@@ -121,17 +126,15 @@ def test_normal_torque_is_bounded_by_the_press(wrench: np.ndarray, gamma: float)
 def test_unilateral_force_asks_for_the_least_force_while_in_contact(
     press: float, least: float, active: float
 ) -> None:
-    rows = constraints.unilateral_force("foot", ca.SX(least), ca.SX(active), NV, SELECTION)
+    rows = unilateral_force("foot", ca.SX(least), ca.SX(active), NV, SELECTION)
     found = slacks(rows, np.array([1.0, 2.0, press, 3.0, 4.0, 5.0]))
     check_each(found, {"foot.unilateral_force": (active * least, press)})
 
 
 CONES: dict[str, Callable[[], Rows]] = {
-    "center of pressure": lambda: constraints.center_of_pressure(
-        "foot", ca.SX(ca.DM(SOLE)), NV, SELECTION
-    ),
-    "friction": lambda: constraints.friction("foot", ca.SX(0.5), NV, SELECTION),
-    "normal torque": lambda: constraints.normal_torque("foot", ca.SX(0.1), NV, SELECTION),
+    "center of pressure": lambda: center_of_pressure("foot", ca.SX(ca.DM(SOLE)), NV, SELECTION),
+    "friction": lambda: friction("foot", ca.SX(0.5), NV, SELECTION),
+    "normal torque": lambda: normal_torque("foot", ca.SX(0.1), NV, SELECTION),
 }
 
 
@@ -157,7 +160,7 @@ def test_cones_do_not_touch_accelerations_or_other_contacts(cone: str) -> None:
 
 
 def test_joint_acceleration_bounds_the_joints_and_not_the_base() -> None:
-    rows = constraints.joint_acceleration(["hip", "knee"], ca.SX(ca.DM([3.0, 4.0])), NV + 12)
+    rows = joint_acceleration(["hip", "knee"], ca.SX(ca.DM([3.0, 4.0])), NV + 12)
     A, lower, upper = numeric(rows)
     np.testing.assert_array_equal(A, np.eye(NV, NV + 12))
     np.testing.assert_array_equal(upper, [INFINITY] * 6 + [3.0, 4.0])
@@ -175,7 +178,7 @@ def test_joint_torque_rows_bound_the_affine_torque(
 ) -> None:
     A_tau = np.random.default_rng(0).normal(size=(2, NV + 6))
     h_a = np.array([5.0, -7.0])
-    rows = constraints.joint_torque(
+    rows = joint_torque(
         ["hip", "knee"], ca.SX(ca.DM(A_tau)), ca.SX(ca.DM(h_a)), ca.SX(ca.DM(limits))
     )
     A, lower, upper = numeric(rows)

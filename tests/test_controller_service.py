@@ -15,7 +15,7 @@ import tsd_casadi as tsd
 from tsd_casadi.endpoints import session_settings
 from tsd_casadi.exceptions import ServiceError, ServiceUnreachable, TsdError, TwoServices
 from tsd_casadi.keys import info_key, tick_key
-from tsd_casadi.messages import ErrorMessage
+from tsd_casadi.messages.message import ErrorMessage
 from tsd_casadi.tick_message import HEADER, REPLY, REQUEST, pack_tick, unpack_tick
 from tsd_clients.remote_controller import RemoteController
 from tsd_clients.service_process import ServiceProcess, free_endpoint

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tsd_casadi import Controller, Feedforward, PeriodicBasis, Robot, Squat
-from tsd_casadi.motions import Reference
+from tsd_casadi.motions.motion import Reference
 from tsd_clients import MujocoSimulator, Run, command_line
 from tsd_clients.commands import simulate
 from tsd_clients.correction import Moment

@@ -15,24 +15,19 @@ from tsd_casadi.entry import Entry
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue, MalformedMessage
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.laps import Lap
-from tsd_casadi.messages import (
-    BasisMessage,
+from tsd_casadi.messages.center_of_mass import CenterOfMassMessage
+from tsd_casadi.messages.feedforward import BasisMessage, FeedforwardMessage, QuantityMessage
+from tsd_casadi.messages.info import FieldMessage, InfoMessage
+from tsd_casadi.messages.learner import (
     ContextMessage,
     DatabaseReply,
     EntryMessage,
-    ErrorMessage,
-    FeedforwardMessage,
-    FieldMessage,
-    InfoMessage,
     LapMessage,
-    Message,
-    QuantityMessage,
     RecordMessage,
     RecordReply,
-    SuggestionMessage,
-    json_schema,
 )
-from tsd_casadi.messages.center_of_mass import CenterOfMassMessage
+from tsd_casadi.messages.message import ErrorMessage, Message, json_schema
+from tsd_casadi.messages.suggestion import SuggestionMessage
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.recording import Context, Recording, TaskKey
 from tsd_casadi.suggestion import Suggestion

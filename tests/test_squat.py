@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import tsd_casadi as tsd
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.motions import Squat
+from tsd_casadi.motions.squat import Squat
 
 ELAPSED = st.floats(0.0, 40.0)
 AMPLITUDES = st.floats(0.001, 0.08)

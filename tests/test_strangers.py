@@ -15,7 +15,8 @@ import tsd_casadi as tsd
 from tsd_casadi.endpoints import session_settings
 from tsd_casadi.exceptions import ServiceUnreachable, TwoServices
 from tsd_casadi.keys import info_key, tick_key
-from tsd_casadi.messages import ErrorMessage, InfoMessage
+from tsd_casadi.messages.info import InfoMessage
+from tsd_casadi.messages.message import ErrorMessage
 from tsd_casadi.tick_format import TickFormat
 from tsd_casadi.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
 from tsd_clients.remote_controller import RemoteController

@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 
 from tsd_casadi.contraction import Contraction
-from tsd_casadi.messages import DatabaseReply, EntryMessage, QuantityMessage
+from tsd_casadi.messages.feedforward import QuantityMessage
+from tsd_casadi.messages.learner import DatabaseReply, EntryMessage
 from tsd_clients import tables
 
 SUMMARY: dict[str, Any] = {

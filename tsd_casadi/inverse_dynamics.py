@@ -23,8 +23,13 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from tsd_casadi import constraints
 from tsd_casadi.actuated_dynamics import actuated_dynamics
+from tsd_casadi.constraints.center_of_pressure import center_of_pressure
+from tsd_casadi.constraints.friction import friction
+from tsd_casadi.constraints.joint_acceleration import joint_acceleration
+from tsd_casadi.constraints.joint_torque import joint_torque
+from tsd_casadi.constraints.normal_torque import normal_torque
+from tsd_casadi.constraints.unilateral_force import unilateral_force
 from tsd_casadi.contact_acceleration import contact_acceleration
 from tsd_casadi.desired_acceleration import desired_acceleration, feedback_acceleration
 from tsd_casadi.force_regularization import force_cost
@@ -35,8 +40,8 @@ from tsd_casadi.rows import Rows, stack_rows
 from tsd_casadi.safe_torque import safe_torque
 from tsd_casadi.state import Matrix, Vector
 from tsd_casadi.symbolic_dynamics import SymbolicDynamics
-from tsd_casadi.tasks import Task, make_tasks
-from tsd_casadi.tasks.task import symmetric_matrix
+from tsd_casadi.tasks.make_tasks import make_tasks
+from tsd_casadi.tasks.task import Task, symmetric_matrix
 from tsd_casadi.tick_format import request_layout, tick_format
 from tsd_casadi.unactuated_dynamics import unactuated_dynamics
 
@@ -149,9 +154,9 @@ class InverseDynamics:
 
         A_tau, h_a = actuated_dynamics(M, h, contacts.J)
         joints = self.robot.joint_names
-        bounds = constraints.joint_acceleration(joints, self._read("limits.acceleration"), self.nx)
+        bounds = joint_acceleration(joints, self._read("limits.acceleration"), self.nx)
         equalities = stack_rows([unactuated_dynamics(M, h, contacts.J), *contacts.equalities])
-        torques = constraints.joint_torque(joints, A_tau, h_a, self._read("limits.torque"))
+        torques = joint_torque(joints, A_tau, h_a, self._read("limits.torque"))
         rows = stack_rows([equalities, *contacts.inequalities, torques])
         self.row_names: tuple[str, ...] = (*bounds.names, *rows.names)
         self.n_equalities = len(equalities.names)
@@ -208,10 +213,10 @@ class InverseDynamics:
             minimum = self._read(f"{name}.minimum_force")
             extents = self._read(f"{name}.extents")
             inequalities += [
-                constraints.center_of_pressure(name, extents, nv, selection),
-                constraints.friction(name, mu, nv, selection),
-                constraints.normal_torque(name, gamma, nv, selection),
-                constraints.unilateral_force(name, minimum, active, nv, selection),
+                center_of_pressure(name, extents, nv, selection),
+                friction(name, mu, nv, selection),
+                normal_torque(name, gamma, nv, selection),
+                unilateral_force(name, minimum, active, nv, selection),
             ]
         return _ContactTerms(
             J=ca.vertcat(*J_all),

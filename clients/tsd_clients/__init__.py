@@ -1,19 +1,6 @@
-"""Clients of the services: simulator, remote controller, remote learner, command line."""
+"""Clients of the services, and the simulator."""
 
-from tsd_clients.learning import learn
-from tsd_clients.model_error import ModelError
-from tsd_clients.remote_controller import RemoteController
-from tsd_clients.remote_learner import RemoteLearner
-from tsd_clients.repetition import Gains
-from tsd_clients.run import Run
-from tsd_clients.simulator import MujocoSimulator
+import lazy_loader
 
-__all__ = [
-    "Gains",
-    "ModelError",
-    "MujocoSimulator",
-    "RemoteController",
-    "RemoteLearner",
-    "Run",
-    "learn",
-]
+# what is exported stands in __init__.pyi; nothing is imported before it is used
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

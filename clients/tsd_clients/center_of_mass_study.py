@@ -14,7 +14,7 @@ from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
 from tsd_casadi.center_of_mass_fit import MassPrior, StaticPose, fit_correction, prior_correction
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.database import Database
-from tsd_casadi.motions import Motion
+from tsd_casadi.motions.motion import Motion
 from tsd_casadi.standing import stand
 from tsd_casadi.state import Vector
 from tsd_clients.center_of_mass_shift import CenterOfMassShift

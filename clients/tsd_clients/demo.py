@@ -14,11 +14,12 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from tsd_casadi import Squat, __version__
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.motions.squat import Squat
 from tsd_casadi.progress import show_progress
 from tsd_casadi.robot import Robot
+from tsd_casadi.version import __version__
 from tsd_clients.figures import draw_feedback, draw_tracking
 from tsd_clients.learning import learn
 from tsd_clients.remote_controller import RemoteController

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.generalization import WeightRegression
-from tsd_casadi.motions import Motion
+from tsd_casadi.motions.motion import Motion
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix, Vector
 from tsd_clients.correction import Correction, Moment, Setting

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
-import tsd_casadi
 from tsd_casadi.contraction import Contraction
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, SimulationError, TsdError
 from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.motions import Motion
+from tsd_casadi.motions.motion import Motion
 from tsd_casadi.recording import Context, Recording, Rule, TaskKey
+from tsd_casadi.version import __version__
 from tsd_clients.correction import Correction
 from tsd_clients.feedforward_gate import FeedforwardGate
 from tsd_clients.repetition import Gains, Progress
@@ -224,7 +224,7 @@ def record_of(
             formulation=f"{controller.format.layout_hash:016x}",
             model=simulator.robot.fingerprint,
             gains=_learned_gains(run, controller),
-            version=tsd_casadi.__version__,
+            version=__version__,
         ),
         rule=rule,
         update=update,

@@ -12,10 +12,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from tsd_casadi import State
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.robot import Robot
-from tsd_casadi.state import Matrix, Vector
+from tsd_casadi.state import Matrix, State, Vector
 
 WXYZ_TO_XYZW = [1, 2, 3, 0]
 XYZW_TO_WXYZ = [3, 0, 1, 2]

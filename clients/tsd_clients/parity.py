@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 import pinocchio
 
-from tsd_casadi import State
 from tsd_casadi.exceptions import ParityError
 from tsd_casadi.robot import Robot
+from tsd_casadi.state import State
 from tsd_clients.mujoco_state import StateMap
 
 TOLERANCE = 1e-9

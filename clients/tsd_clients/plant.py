@@ -8,9 +8,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from tsd_casadi import State
 from tsd_casadi.robot import Robot
-from tsd_casadi.state import Vector
+from tsd_casadi.state import State, Vector
 from tsd_clients.disturbances import Disturbance
 from tsd_clients.hardware import SENSOR_EFFECTS, Actuators, Encoders, FlatFeetEstimator
 from tsd_clients.mujoco_state import StateMap

@@ -20,7 +20,7 @@ from tsd_casadi.exceptions import (
     TwoServices,
 )
 from tsd_casadi.keys import info_key, tick_key
-from tsd_casadi.messages import InfoMessage
+from tsd_casadi.messages.info import InfoMessage
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick import Tick
 from tsd_casadi.tick_format import TickFormat

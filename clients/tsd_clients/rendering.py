@@ -137,7 +137,8 @@ def _render_apart(library: str, arguments: list[str], patience: float) -> bool:
 def _render(robot_path: Path, postures: Path, target: Path, width: int, height: int) -> None:
     import mujoco
 
-    from tsd_casadi import State, load_robot
+    from tsd_casadi.robot import load_robot
+    from tsd_casadi.state import State
     from tsd_clients.mujoco_state import StateMap
 
     robot = load_robot(robot_path)

@@ -15,7 +15,7 @@ from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.laps import Lap, first_steady_lap
-from tsd_casadi.motions import Motion, Reference
+from tsd_casadi.motions.motion import Motion, Reference
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.phase_oscillator import PhaseOscillator
 from tsd_casadi.robot import Robot

@@ -11,7 +11,7 @@ import numpy as np
 
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.laps import Lap
-from tsd_casadi.motions import Motion
+from tsd_casadi.motions.motion import Motion
 from tsd_casadi.state import Vector
 
 

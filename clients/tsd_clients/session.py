@@ -16,7 +16,7 @@ from tsd_casadi.exceptions import (
     TwoServices,
 )
 from tsd_casadi.keys import alive_key
-from tsd_casadi.messages import ErrorMessage
+from tsd_casadi.messages.message import ErrorMessage
 
 # how long a service may take to appear after a client started
 PATIENCE = 5.0  # s

@@ -8,12 +8,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from tsd_casadi import State
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
 from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.motions import Motion
+from tsd_casadi.motions.motion import Motion
 from tsd_casadi.robot import Robot
+from tsd_casadi.state import State
 from tsd_clients.correction import Correction
 from tsd_clients.disturbances import Disturbance
 from tsd_clients.hardware import add_to_model, check_effects

@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from tsd_casadi.contraction import Contraction
-from tsd_casadi.messages import DatabaseReply, EntryMessage
+from tsd_casadi.messages.learner import DatabaseReply, EntryMessage
 from tsd_casadi.task_parameters import unit_of
 
 # tables need this many columns; pipes and narrow terminals get them as well

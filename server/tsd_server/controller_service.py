@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import zenoh
 
-import tsd_casadi
 from tsd_casadi.controller import Controller, compile_controller
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
 from tsd_casadi.keys import info_key, tick_key
-from tsd_casadi.messages import InfoMessage
+from tsd_casadi.messages.info import InfoMessage
 from tsd_casadi.robot import Robot
 from tsd_casadi.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
+from tsd_casadi.version import __version__
 from tsd_server.service import Service, reply_json
 
 BINARY = zenoh.Encoding.APPLICATION_OCTET_STREAM
@@ -89,7 +89,7 @@ class ControllerService:
     def _info(self, query: zenoh.Query) -> None:
         info = InfoMessage.of(
             self._format,
-            version=tsd_casadi.__version__,
+            version=__version__,
             instance=self._service.instance,
             protocol=VERSION,
             model=self._robot.fingerprint,

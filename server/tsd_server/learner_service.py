@@ -18,14 +18,9 @@ from tsd_casadi.keys import (
     robot_of,
     suggestion_key,
 )
-from tsd_casadi.messages import (
-    DatabaseReply,
-    EntryMessage,
-    FeedforwardMessage,
-    RecordMessage,
-    RecordReply,
-    SuggestionMessage,
-)
+from tsd_casadi.messages.feedforward import FeedforwardMessage
+from tsd_casadi.messages.learner import DatabaseReply, EntryMessage, RecordMessage, RecordReply
+from tsd_casadi.messages.suggestion import SuggestionMessage
 from tsd_casadi.task_parameters import RESERVED
 from tsd_server.service import Service, reply_json
 

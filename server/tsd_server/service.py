@@ -16,7 +16,7 @@ from zenoh.handlers import RingChannel
 from tsd_casadi.endpoints import check_endpoint, configure_runtime, session_settings
 from tsd_casadi.exceptions import EndpointTaken, TsdError
 from tsd_casadi.keys import alive_key
-from tsd_casadi.messages import ErrorMessage
+from tsd_casadi.messages.message import ErrorMessage
 
 JSON = zenoh.Encoding.APPLICATION_JSON
 WAITING_QUERIES = 64

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from tsd_casadi import load_robot
 from tsd_casadi.center_of_mass_fit import NOISE, MassPrior, fit_correction
 from tsd_casadi.progress import show_progress
+from tsd_casadi.robot import load_robot
 from tsd_clients.center_of_mass_study import assess
 from tsd_clients.commands.options import (
     ROBOT,

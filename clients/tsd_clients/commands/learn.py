@@ -9,14 +9,13 @@ from typing import Annotated, Any
 
 import typer
 
-from tsd_casadi import load_robot
 from tsd_casadi.contraction import Contraction
 from tsd_casadi.endpoints import LEARNER
 from tsd_casadi.exceptions import InvalidValue, TsdError
 from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.motions import Motion
+from tsd_casadi.motions.motion import Motion
 from tsd_casadi.progress import show_progress
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot import Robot, load_robot
 from tsd_clients.commands.options import (
     ROBOT,
     AmplitudeOption,

@@ -10,12 +10,12 @@ from typing import Annotated
 
 import typer
 
-from tsd_casadi import Squat, compile_controller
 from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller import WholeBodyController, compile_controller
 from tsd_casadi.endpoints import CONTROLLER, LEARNER
 from tsd_casadi.exceptions import InvalidValue, SimulationError
-from tsd_casadi.motions import Motion
+from tsd_casadi.motions.motion import Motion
+from tsd_casadi.motions.squat import Squat
 from tsd_casadi.robot import Robot
 from tsd_clients.center_of_mass_shift import CenterOfMassShift
 from tsd_clients.correction import Correction

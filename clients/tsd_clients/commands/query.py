@@ -8,9 +8,9 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from tsd_casadi import load_robot
 from tsd_casadi.endpoints import LEARNER
-from tsd_casadi.messages import FeedforwardMessage
+from tsd_casadi.messages.feedforward import FeedforwardMessage
+from tsd_casadi.robot import load_robot
 from tsd_clients.commands.options import (
     ROBOT,
     ConnectOption,

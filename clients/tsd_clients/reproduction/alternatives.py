@@ -16,7 +16,7 @@ import numpy as np
 
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.motions import Squat
+from tsd_casadi.motions.squat import Squat
 from tsd_casadi.robot import Robot
 from tsd_clients.disturbances import Disturbance
 from tsd_clients.model_error import ModelError

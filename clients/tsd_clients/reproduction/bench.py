@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.motions import Motion
+from tsd_casadi.motions.motion import Motion
 from tsd_casadi.robot import Robot
 from tsd_clients.correction import Correction
 from tsd_clients.repetition import Gains

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from tsd_casadi import Database, Squat
 from tsd_casadi.contraction import Contraction
 from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.database import Database
 from tsd_casadi.feedforward import Feedforward, Kind
+from tsd_casadi.motions.squat import Squat
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.recording import Rule
 from tsd_casadi.robot import Robot

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from tsd_casadi.generalization import WeightRegression
-from tsd_casadi.motions import Motion
+from tsd_casadi.motions.motion import Motion
 from tsd_clients.joint_torque_learning import LearnedTorque, generalise_torques, varied
 from tsd_clients.reproduction.alternative_methods import learn_task, learn_torque
 from tsd_clients.reproduction.bench import Alternative, Bench

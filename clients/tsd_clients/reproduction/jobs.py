@@ -20,10 +20,11 @@ from zipfile import BadZipFile
 import mujoco
 import numpy as np
 
-from tsd_casadi import Controller, __version__, compile_controller, load_robot
+from tsd_casadi.controller import Controller, compile_controller
 from tsd_casadi.exceptions import SimulationError, TsdError
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot import Robot, load_robot
 from tsd_casadi.state import Vector
+from tsd_casadi.version import __version__
 from tsd_clients.reproduction.case import Outcome
 from tsd_clients.reproduction.duration import Span
 from tsd_clients.service_process import start_services

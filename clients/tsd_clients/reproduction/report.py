@@ -14,8 +14,8 @@ from typing import Any
 
 from matplotlib import pyplot as plt
 
-from tsd_casadi import __version__
 from tsd_casadi.robot import Robot
+from tsd_casadi.version import __version__
 from tsd_clients.reproduction.experiment import Goal, Section, Table
 from tsd_clients.reproduction.jobs import cores
 

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib import pyplot as plt
 
-from tsd_casadi import load_robot
 from tsd_casadi.controller import WholeBodyController
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot import Robot, load_robot
 from tsd_clients.plant import TIMESTEP
 from tsd_clients.rendering import HINT, Pictures, animate, render_postures
 from tsd_clients.reproduction.case import Case, Outcome, feedforward_of, learn_case

@@ -1,0 +1,17 @@
+from tsd_casadi.command import Command as Command
+from tsd_casadi.controller import Controller as Controller
+from tsd_casadi.controller import WholeBodyController as WholeBodyController
+from tsd_casadi.controller import compile_controller as compile_controller
+from tsd_casadi.database import Database as Database
+from tsd_casadi.exceptions import TsdError as TsdError
+from tsd_casadi.feedforward import Feedforward as Feedforward
+from tsd_casadi.inverse_dynamics import InverseDynamics as InverseDynamics
+from tsd_casadi.motions.motion import Motion as Motion
+from tsd_casadi.motions.squat import Squat as Squat
+from tsd_casadi.periodic_basis import PeriodicBasis as PeriodicBasis
+from tsd_casadi.robot import Robot as Robot
+from tsd_casadi.robot import load_robot as load_robot
+from tsd_casadi.state import State as State
+from tsd_casadi.tick import Tick as Tick
+from tsd_casadi.tick_format import Status as Status
+from tsd_casadi.version import __version__ as __version__
