@@ -4,7 +4,7 @@ import pytest
 
 from tsd_casadi import Robot
 from tsd_casadi.exceptions import InvalidValue
-from tsd_clients.region import parse_region
+from tsd_cli.commands.region import parse_region
 
 
 def test_ranges_are_read(robot: Robot) -> None:

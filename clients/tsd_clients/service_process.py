@@ -43,7 +43,7 @@ class ServiceProcess:
         """
         self.output: list[str] = []
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "tsd_clients.command_line", *arguments],
+            [sys.executable, "-m", "tsd_cli.command_line", *arguments],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,

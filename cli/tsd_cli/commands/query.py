@@ -11,7 +11,7 @@ import typer
 from tsd_casadi.endpoints import LEARNER
 from tsd_casadi.messages.feedforward import FeedforwardMessage
 from tsd_casadi.robot import load_robot
-from tsd_clients.commands.options import (
+from tsd_cli.commands.options import (
     ROBOT,
     ConnectOption,
     FrequencyOption,
@@ -21,7 +21,7 @@ from tsd_clients.commands.options import (
     RobotOption,
     make_motion,
 )
-from tsd_clients.commands.output import check_writable, put_out
+from tsd_cli.commands.output import check_writable, put_out
 from tsd_clients.remote_learner import RemoteLearner
 from tsd_clients.tables import console, describe_parameters, describe_values, print_entries
 

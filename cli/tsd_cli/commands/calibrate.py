@@ -10,8 +10,7 @@ import typer
 from tsd_casadi.center_of_mass_fit import NOISE, MassPrior, fit_correction
 from tsd_casadi.progress import show_progress
 from tsd_casadi.robot import load_robot
-from tsd_clients.center_of_mass_study import assess
-from tsd_clients.commands.options import (
+from tsd_cli.commands.options import (
     ROBOT,
     ConnectOption,
     ControllerChoice,
@@ -25,7 +24,8 @@ from tsd_clients.commands.options import (
     make_simulator,
     open_controller,
 )
-from tsd_clients.commands.output import check_writable, put_out
+from tsd_cli.commands.output import check_writable, put_out
+from tsd_clients.center_of_mass_study import assess
 from tsd_clients.static_poses import collect, with_noise
 from tsd_clients.tables import print_accuracy
 

@@ -16,7 +16,7 @@ from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.progress import show_progress
 from tsd_casadi.robot import Robot, load_robot
-from tsd_clients.commands.options import (
+from tsd_cli.commands.options import (
     ROBOT,
     AmplitudeOption,
     ComCorrectionOption,
@@ -43,9 +43,9 @@ from tsd_clients.commands.options import (
     open_controller,
     read_corrections,
 )
-from tsd_clients.commands.output import check_writable, label_of, put_out
+from tsd_cli.commands.output import check_writable, label_of, put_out
+from tsd_cli.commands.region import parse_region
 from tsd_clients.learning import learn as learn_motions
-from tsd_clients.region import parse_region
 from tsd_clients.remote_learner import RemoteLearner
 from tsd_clients.repetition import Gains
 from tsd_clients.run import Run

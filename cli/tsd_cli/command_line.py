@@ -11,12 +11,12 @@ import sys
 import typer
 
 from tsd_casadi.exceptions import TsdError
-from tsd_clients.commands.calibrate import calibrate
-from tsd_clients.commands.experiments import demo, reproduce
-from tsd_clients.commands.learn import learn
-from tsd_clients.commands.query import forget_entry, list_entries, query
-from tsd_clients.commands.services import controller, learner
-from tsd_clients.commands.simulate import simulate
+from tsd_cli.commands.calibrate import calibrate
+from tsd_cli.commands.experiments import demo, reproduce
+from tsd_cli.commands.learn import learn
+from tsd_cli.commands.query import forget_entry, list_entries, query
+from tsd_cli.commands.services import controller, learner
+from tsd_cli.commands.simulate import simulate
 
 app = typer.Typer(
     no_args_is_help=True,

@@ -9,12 +9,12 @@ import typer
 
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot import load_robot
-from tsd_clients.commands.options import (
+from tsd_cli.commands.options import (
     ROBOT,
     JsonOption,
     RobotOption,
 )
-from tsd_clients.commands.output import check_writable, put_out
+from tsd_cli.commands.output import check_writable, put_out
 from tsd_clients.tables import console, print_goals
 
 
