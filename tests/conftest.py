@@ -3,7 +3,6 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +11,8 @@ import yaml
 from hypothesis import settings
 
 from tsd_casadi import Controller, InverseDynamics, Robot, compile_controller, load_robot
-from tsd_clients.reproduction.experiment import Experiment
-from tsd_clients.reproduction.jobs import Result
+from tsd_experiments.harness.experiment import Experiment
+from tsd_experiments.harness.jobs import Result
 
 settings.register_profile("tsd", deadline=None, derandomize=True, database=None)
 settings.load_profile("tsd")
@@ -66,11 +65,9 @@ def finish_experiment(
         done: dict[str, Result] = {}
         while jobs := [job for job in experiment.jobs(done) if job.name not in done]:
             for job in jobs:
-                module, name = job.function.split(":")
-                function = getattr(import_module(f"tsd_clients.reproduction.{module}"), name)
                 # as if it came from a file
                 plain = json.loads(json.dumps(job.arguments))
-                outcome = function(robot, controller, **plain)
+                outcome = job.function(robot, controller, **plain)
                 rows = json.loads(json.dumps(outcome.rows, allow_nan=False))
                 done[job.name] = Result(rows, outcome.arrays, (0.0, 1.0))
         return done

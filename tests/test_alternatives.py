@@ -10,10 +10,8 @@ import pytest
 from tsd_casadi import Controller, Robot, Squat
 from tsd_casadi.exceptions import InvalidValue
 from tsd_clients import MujocoSimulator
-from tsd_clients.excitation import Excitation
-from tsd_clients.identification import MotionRecorder
-from tsd_clients.reproduction import alternative_methods
-from tsd_clients.reproduction.alternatives import (
+from tsd_experiments.comparison import alternative_methods
+from tsd_experiments.comparison.alternatives import (
     METHODS,
     SCENARIOS,
     Scenario,
@@ -21,7 +19,9 @@ from tsd_clients.reproduction.alternatives import (
     measure,
     prepare,
 )
-from tsd_clients.reproduction.bench import Bench
+from tsd_experiments.comparison.baselines.excitation import Excitation
+from tsd_experiments.comparison.baselines.motion_recorder import MotionRecorder
+from tsd_experiments.comparison.bench import Bench
 
 QUICK = Scenario("quick", Squat(0.02, 1.0), other_frequency=0.9)
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 
-from tsd_clients.reproduction.bootstrapping import Bootstrapping
-from tsd_clients.reproduction.experiment import Experiment
-from tsd_clients.reproduction.jobs import Result
+from tsd_experiments.beyond.bootstrapping import Bootstrapping
+from tsd_experiments.harness.experiment import Experiment
+from tsd_experiments.harness.jobs import Result
 
 
 def test_an_easier_squat_helps_a_hard_one(

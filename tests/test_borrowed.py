@@ -10,9 +10,9 @@ from matplotlib import pyplot as plt
 
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_clients.repetition import HOLD
-from tsd_clients.reproduction.borrowed import Borrowed, Verdict, shift_by_half_a_lap
-from tsd_clients.reproduction.experiment import Experiment
-from tsd_clients.reproduction.jobs import Result
+from tsd_experiments.beyond.borrowed import Borrowed, Verdict, shift_by_half_a_lap
+from tsd_experiments.harness.experiment import Experiment
+from tsd_experiments.harness.jobs import Result
 
 coefficients = st.lists(st.floats(-1, 1), min_size=4, max_size=4)
 

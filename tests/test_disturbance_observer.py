@@ -10,7 +10,10 @@ from scipy.signal import lsim, lti
 from tsd_casadi import Controller, Robot, Squat, Status
 from tsd_casadi.exceptions import InvalidValue
 from tsd_clients import MujocoSimulator
-from tsd_clients.disturbance_observer import DisturbanceObserver, usual_bandwidth
+from tsd_experiments.comparison.baselines.disturbance_observer import (
+    DisturbanceObserver,
+    usual_bandwidth,
+)
 
 P, D, DT = 50.0, 2 * np.sqrt(50.0), 1e-4
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tsd_clients.reproduction.duration import LONGEST_PAUSE, time_taken
+from tsd_experiments.harness.duration import LONGEST_PAUSE, time_taken
 
 SPANS = st.lists(
     st.tuples(st.integers(0, 500), st.integers(1, 50)).map(lambda s: (s[0], s[0] + s[1])),

@@ -8,8 +8,8 @@ import pytest
 
 from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
-from tsd_clients.reproduction.experiment import Goal, millimetres
-from tsd_clients.reproduction.run import EXPERIMENTS, check_cases, choose_experiments
+from tsd_experiments.harness.experiment import Goal, millimetres
+from tsd_experiments.run import EXPERIMENTS, check_cases, choose_experiments
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 from tsd_casadi import Controller, Feedforward, PeriodicBasis, Robot, Squat
 from tsd_casadi.motions.motion import Reference
-from tsd_clients import MujocoSimulator, Run, command_line
+from tsd_cli import command_line
 from tsd_cli.commands import simulate
+from tsd_clients import MujocoSimulator, Run
 from tsd_clients.correction import Moment
 from tsd_clients.feedforward_gate import FADE, FeedforwardGate
 from tsd_clients.repetition import HOLD

@@ -20,8 +20,8 @@ from tsd_casadi.identification import (
 )
 from tsd_casadi.physical_consistency import pseudo_inertia
 from tsd_clients import MujocoSimulator
-from tsd_clients.friction_feedforward import FrictionFeedforward
-from tsd_clients.identification import MotionRecorder, observe
+from tsd_experiments.comparison.baselines.friction_feedforward import FrictionFeedforward
+from tsd_experiments.comparison.baselines.motion_recorder import MotionRecorder, observe
 
 SEED = 3
 

@@ -11,7 +11,7 @@ from tsd_casadi import Controller, Robot, Squat, Status
 from tsd_casadi.exceptions import InvalidValue
 from tsd_clients import MujocoSimulator
 from tsd_clients.correction import Correction
-from tsd_clients.integral_action import ROUTH_SHARE, IntegralAction
+from tsd_experiments.comparison.baselines.integral_action import ROUTH_SHARE, IntegralAction
 
 P, D, DT = 50.0, 2 * np.sqrt(50.0), 1e-3
 GAINS = {"com.P": np.array([0.0, P]), "com.D": np.array([0.0, D])}

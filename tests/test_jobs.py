@@ -10,10 +10,10 @@ import pytest
 
 from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import SimulationError, TsdError
-from tsd_clients.reproduction.case import Outcome
-from tsd_clients.reproduction.experiment import Done, Experiment, Section
-from tsd_clients.reproduction.jobs import Job, Result, Store, run_jobs
-from tsd_clients.reproduction.run import run_all
+from tsd_experiments.harness.case import Outcome
+from tsd_experiments.harness.experiment import Done, Experiment, Section
+from tsd_experiments.harness.jobs import Job, Result, Store, run_jobs
+from tsd_experiments.run import run_all
 
 SPAN = (1000.0, 1002.5)
 

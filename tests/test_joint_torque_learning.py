@@ -11,7 +11,7 @@ from tsd_casadi.exceptions import EntryNotFound, InvalidValue, SimulationError
 from tsd_casadi.motions.motion import Reference
 from tsd_clients import MujocoSimulator
 from tsd_clients.correction import Moment, Setting
-from tsd_clients.joint_torque_learning import (
+from tsd_experiments.comparison.baselines.joint_torque_learning import (
     FeedbackTorque,
     LearnedTorque,
     TorqueFeedforward,

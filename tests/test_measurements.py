@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tsd_clients.reproduction.jobs import Result
-from tsd_clients.reproduction.measurements import write_measurements
+from tsd_experiments.harness.jobs import Result
+from tsd_experiments.harness.measurements import write_measurements
 
 SPAN = (0.0, 1.0)
 DONE = {

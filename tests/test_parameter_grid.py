@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from tsd_clients.reproduction import parameter_grid
-from tsd_clients.reproduction.experiment import Experiment
-from tsd_clients.reproduction.jobs import Result
-from tsd_clients.reproduction.parameter_grid import ParameterGrid
+from tsd_experiments.beyond import parameter_grid
+from tsd_experiments.beyond.parameter_grid import ParameterGrid
+from tsd_experiments.harness.experiment import Experiment
+from tsd_experiments.harness.jobs import Result
 
 CORNERS = ((0.03, 0.8), (0.03, 1.0), (0.05, 0.8), (0.05, 1.0))
 HELD_OUT = ((0.035, 0.85), (0.045, 0.95), (0.04, 0.85))

@@ -19,9 +19,9 @@ import pytest
 
 from tsd_casadi.generalization import WeightRegression
 from tsd_casadi.periodic_basis import PeriodicBasis
-from tsd_clients.reproduction.experiment import Goal
-from tsd_clients.reproduction.parameter_grid import LEARNED
-from tsd_clients.reproduction.run import EXPERIMENTS
+from tsd_experiments.beyond.parameter_grid import LEARNED
+from tsd_experiments.harness.experiment import Goal
+from tsd_experiments.run import EXPERIMENTS
 
 # of the full form, which takes too long for a test; the quick one is done here
 FULL = Path("results/paper")

@@ -14,13 +14,13 @@ from tsd_casadi import Controller, Robot, Squat
 from tsd_clients import MujocoSimulator
 from tsd_clients.disturbances import Push
 from tsd_clients.plant import Plant
-from tsd_clients.reproduction.case import Case
-from tsd_clients.reproduction.experiment import Experiment
-from tsd_clients.reproduction.jobs import Result
-from tsd_clients.reproduction.stiffness_or_feedforward import StiffnessOrFeedforward
-from tsd_clients.reproduction.stiffness_runs import PUSH_DURATION, Stiffness, Witness
-from tsd_clients.reproduction.stiffness_sweep import end_of, highest_stable, stiffness_for
-from tsd_clients.reproduction.stiffness_tables import IMPULSE
+from tsd_experiments.beyond.stiffness.stiffness_or_feedforward import StiffnessOrFeedforward
+from tsd_experiments.beyond.stiffness.stiffness_runs import PUSH_DURATION, Stiffness, Witness
+from tsd_experiments.beyond.stiffness.stiffness_sweep import end_of, highest_stable, stiffness_for
+from tsd_experiments.beyond.stiffness.stiffness_tables import IMPULSE
+from tsd_experiments.harness.case import Case
+from tsd_experiments.harness.experiment import Experiment
+from tsd_experiments.harness.jobs import Result
 
 
 def row(factor: float, error: float | None, stable: bool = True) -> dict[str, Any]:

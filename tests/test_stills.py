@@ -10,9 +10,9 @@ from PIL import Image, ImageSequence
 
 from tsd_casadi import Robot
 from tsd_clients import rendering
-from tsd_clients.reproduction.experiment import Experiment
-from tsd_clients.reproduction.jobs import Result
-from tsd_clients.reproduction.stills import HEIGHT, JOB, RATE, STILLS, WIDTH, Stills, movie
+from tsd_experiments.harness.experiment import Experiment
+from tsd_experiments.harness.jobs import Result
+from tsd_experiments.paper.stills import HEIGHT, JOB, RATE, STILLS, WIDTH, Stills, movie
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def paint(robot: Robot, postures: np.ndarray, width: int, height: int) -> np.nda
 def test_one_lap_is_kept(
     robot: Robot, done: dict[str, Result], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tsd_clients.reproduction.stills.render_postures", paint)
+    monkeypatch.setattr("tsd_experiments.paper.stills.render_postures", paint)
     arrays = done[JOB].arrays
     assert len(arrays["q"]) == RATE  # one lap of one second
     assert arrays["time"] == pytest.approx(np.arange(RATE) / RATE)
@@ -44,7 +44,7 @@ def test_one_lap_is_kept(
 def test_stills_and_movie(
     robot: Robot, done: dict[str, Result], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    module = "tsd_clients.reproduction.stills.render_postures"
+    module = "tsd_experiments.paper.stills.render_postures"
     monkeypatch.setattr(module, paint)
     (figure,) = Stills(quick=True).report(done).figures
     drawn = figure.draw()

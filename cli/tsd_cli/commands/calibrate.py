@@ -25,9 +25,9 @@ from tsd_cli.commands.options import (
     open_controller,
 )
 from tsd_cli.commands.output import check_writable, put_out
-from tsd_clients.center_of_mass_study import assess
 from tsd_clients.static_poses import collect, with_noise
 from tsd_clients.tables import print_accuracy
+from tsd_experiments.beyond.center_of_mass_study import assess
 
 
 def calibrate(

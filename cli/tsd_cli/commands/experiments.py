@@ -25,7 +25,7 @@ def demo(
     ] = Path("results/demo"),
 ) -> None:
     """Show everything: services, learning, lower gains, generalisation (about 3 minutes)."""
-    from tsd_clients.demo import run_demo
+    from tsd_experiments.demo import run_demo
 
     run_demo(load_robot(robot), out)
 
@@ -59,7 +59,7 @@ def reproduce(
     run goes on where it stopped. It is kept until robot, arguments or version
     change: after a change of the code choose another --out.
     """
-    from tsd_clients.reproduction.run import reproduce as run_experiments
+    from tsd_experiments.run import reproduce as run_experiments
 
     if page is not None and page.suffix != ".md":
         raise InvalidValue("--page", f"'{page}'", "a file that ends in .md")

@@ -1,0 +1,302 @@
+"""Methods that one would try against a wrong model, each prepared in the same way.
+
+What learns, does so from a number of repetitions of one squat; what is
+identified, from a single one.
+"""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from tsd_casadi.controller import compile_controller
+from tsd_casadi.database import Database
+from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.identification import (
+    Identified,
+    Observations,
+    identify_inertias,
+    identify_with_friction,
+)
+from tsd_casadi.identified_robot import write_robot
+from tsd_casadi.iterative_learning import update_weights
+from tsd_casadi.physical_consistency import PARAMETERS
+from tsd_clients.correction import Correction
+from tsd_clients.learning import learn, record_of
+from tsd_experiments.comparison.baselines.disturbance_observer import (
+    DisturbanceObserver,
+    usual_bandwidth,
+)
+from tsd_experiments.comparison.baselines.excitation import Excitation
+from tsd_experiments.comparison.baselines.friction_feedforward import FrictionFeedforward
+from tsd_experiments.comparison.baselines.integral_action import IntegralAction
+from tsd_experiments.comparison.baselines.joint_torque_learning import (
+    LearnedTorque,
+    TorqueFeedforward,
+    learn_joint_torques,
+)
+from tsd_experiments.comparison.baselines.motion_recorder import MotionRecorder, observe
+from tsd_experiments.comparison.bench import Alternative, Bench
+
+
+def learn_task(bench: Bench) -> Feedforward:
+    """The paper's plain sum.
+
+    Args:
+        bench: Where it is learned.
+
+    Returns:
+        The feedforward after the last iteration, not yet tried.
+
+    Raises:
+        SimulationError: If a repetition fell or never settled.
+        InvalidValue: If iterations is not at least 1.
+    """
+    feedforward = None
+    for iteration in range(1, bench.iterations + 1):
+        run = bench.simulator.run(
+            bench.controller,
+            bench.motion,
+            feedforward=feedforward,
+            gains=bench.gains,
+            seed=bench.seed,
+        )
+        recording = record_of(run, bench.simulator, bench.controller)
+        weights = update_weights(recording.applied, recording.laps, recording.basis)
+        feedforward = Feedforward(
+            axes=run.feedforward.axes,
+            basis=recording.basis,
+            weights=weights,
+            standard_deviations=np.zeros_like(weights),
+            kind="learned",
+            parameters=bench.motion.parameters,
+            provenance={"iteration": iteration},
+        )
+    if feedforward is None:
+        raise InvalidValue("iterations", bench.iterations, "at least 1")
+    return feedforward
+
+
+def learn_torque(bench: Bench) -> TorqueFeedforward:
+    """The same sum in joint torques.
+
+    Args:
+        bench: Where it is learned.
+
+    Returns:
+        The feedforward after the last iteration, not yet tried.
+
+    Raises:
+        SimulationError: If a repetition fell or never settled.
+        InvalidValue: If iterations is not at least 1.
+    """
+    _, learned = learn_joint_torques(
+        bench.simulator,
+        bench.controller,
+        bench.motion,
+        bench.iterations,
+        gains=bench.gains,
+        seed=bench.seed,
+    )
+    return learned
+
+
+def nothing(bench: Bench) -> Alternative:
+    """Feedback alone.
+
+    Args:
+        bench: Where it is prepared.
+    """
+    return Alternative(bench.controller)
+
+
+def integral(bench: Bench) -> Alternative:
+    """Integral action with its usual gain.
+
+    Args:
+        bench: Where it is prepared.
+    """
+    return Alternative(bench.controller, corrections=[IntegralAction()])
+
+
+def stiff_integral(bench: Bench) -> Alternative:
+    """Integral action at half of the Routh limit.
+
+    Args:
+        bench: Where it is prepared.
+    """
+    Ki = math.prod(_gains(bench)) / 2
+    return Alternative(bench.controller, corrections=[IntegralAction(Ki)])
+
+
+def observer(bench: Bench) -> Alternative:
+    """A disturbance observer with its usual bandwidth.
+
+    Args:
+        bench: Where it is prepared.
+    """
+    return Alternative(bench.controller, corrections=[DisturbanceObserver()])
+
+
+def fast_observer(bench: Bench) -> Alternative:
+    """A disturbance observer as fast as the lags allow with some margin.
+
+    Args:
+        bench: Where it is prepared.
+    """
+    _, D = _gains(bench)
+    bandwidth = usual_bandwidth(bench.robot, D, crossover=1.0)
+    return Alternative(bench.controller, corrections=[DisturbanceObserver(bandwidth)])
+
+
+def constant(bench: Bench) -> Alternative:
+    """Only the mean of what is learned in task accelerations.
+
+    Args:
+        bench: Where it is prepared.
+    """
+    learned = learn_task(bench)
+    return Alternative(
+        bench.controller, learned.constant(), numbers_learned=1, repetitions=bench.iterations
+    )
+
+
+def task_acceleration(bench: Bench) -> Alternative:
+    """The paper's rule.
+
+    Args:
+        bench: Where it is prepared.
+    """
+    learned = learn_task(bench)
+    return Alternative(
+        bench.controller,
+        learned,
+        numbers_learned=learned.weights.size,
+        repetitions=bench.iterations,
+    )
+
+
+def stable_task_acceleration(bench: Bench) -> Alternative:
+    """The same by the stable rule.
+
+    Args:
+        bench: Where it is prepared.
+    """
+    with tempfile.TemporaryDirectory() as folder, Database(Path(folder) / "learned") as database:
+        learn(
+            bench.simulator,
+            bench.controller,
+            [bench.motion],
+            database,
+            iterations=bench.iterations,
+            rule="stable",
+            gains=bench.gains,
+            seed=bench.seed,
+        )
+        learned = database.entries()[0].feedforward()
+    return Alternative(
+        bench.controller,
+        learned,
+        numbers_learned=learned.weights.size,
+        repetitions=bench.iterations,
+    )
+
+
+def joint_torque(bench: Bench) -> Alternative:
+    """The same in joint torques.
+
+    Args:
+        bench: Where it is prepared.
+    """
+    learned = learn_torque(bench)
+    return Alternative(
+        bench.controller,
+        corrections=[LearnedTorque(learned)],
+        numbers_learned=learned.weights.size,
+        repetitions=bench.iterations,
+    )
+
+
+def identified(bench: Bench) -> Alternative:
+    """A controller compiled from inertias identified in one repetition.
+
+    Args:
+        bench: Where it is prepared.
+    """
+    return _recompiled(bench, identify_inertias(bench.robot, _observed(bench)))
+
+
+def identified_with_friction(bench: Bench) -> Alternative:
+    """The same with joint friction, compensated by feedforward.
+
+    Args:
+        bench: Where it is prepared.
+    """
+    found = identify_with_friction(bench.robot, _observed(bench))
+    return _recompiled(bench, found, FrictionFeedforward(found.friction))
+
+
+def identified_with_excitation(bench: Bench) -> Alternative:
+    """The same from one repetition that sways on purpose.
+
+    Args:
+        bench: Where it is prepared.
+    """
+    observed = _observed(bench, Excitation())
+    found = identify_with_friction(bench.robot, observed)
+    return _recompiled(bench, found, FrictionFeedforward(found.friction))
+
+
+METHODS: dict[str, Callable[[Bench], Alternative]] = {
+    "none": nothing,
+    "integral": integral,
+    "integral, Routh / 2": stiff_integral,
+    "observer": observer,
+    "observer, fast": fast_observer,
+    "constant": constant,
+    "task acceleration": task_acceleration,
+    "task acceleration, stable": stable_task_acceleration,
+    "joint torque": joint_torque,
+    "identified": identified,
+    "identified, friction": identified_with_friction,
+    "identified, friction, excited": identified_with_excitation,
+}
+
+
+def _gains(bench: Bench) -> tuple[float, float]:
+    """P and D of the learned axis."""
+    task, axis = bench.axis.split(".")
+    component = bench.controller.format.component_index(task, axis)
+    command, factors = bench.controller.command(), bench.gains
+    P, D = (float(command[f"{task}.{gain}"][component]) for gain in "PD")
+    return P * factors.P, D * factors.D
+
+
+def _observed(bench: Bench, *others: Correction) -> Observations:
+    recorder = MotionRecorder()
+    run = bench.simulator.run(
+        bench.controller,
+        bench.motion,
+        gains=bench.gains,
+        corrections=[*others, recorder],
+        seed=bench.seed,
+    )
+    return observe(run, recorder)
+
+
+def _recompiled(bench: Bench, found: Identified, *corrections: Correction) -> Alternative:
+    with tempfile.TemporaryDirectory() as folder:
+        robot = write_robot(bench.robot, found.inertias, Path(folder))
+        controller = compile_controller(robot, on_compile=lambda: None)
+    friction = 2 * bench.robot.n if corrections else 0
+    return Alternative(
+        controller,
+        corrections=corrections,
+        numbers_learned=PARAMETERS * len(found.inertias) + friction,
+        repetitions=1,
+    )

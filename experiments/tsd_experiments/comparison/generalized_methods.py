@@ -1,0 +1,66 @@
+"""What methods learned in some motions, generalised to one that was never tried."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from tsd_casadi.generalization import WeightRegression
+from tsd_casadi.motions.motion import Motion
+from tsd_experiments.comparison.alternative_methods import learn_task, learn_torque
+from tsd_experiments.comparison.baselines.joint_torque_learning import (
+    LearnedTorque,
+    generalise_torques,
+    varied,
+)
+from tsd_experiments.comparison.bench import Alternative, Bench
+
+
+def generalised_acceleration(benches: Sequence[Bench], asked: Motion) -> Alternative:
+    """Task accelerations for a motion that was never tried.
+
+    Args:
+        benches: Where it is learned, motions that differ in one parameter at least.
+        asked: The motion that was never tried.
+    """
+    learned = [learn_task(bench) for bench in benches]
+    names, inputs = varied([item.parameters for item in learned])
+    weights = [item.weights for item in learned]
+    regression = WeightRegression(asked.name, names, inputs, weights, learned[0].basis)
+    mean, deviations = regression.predict(asked.parameters)
+    feedforward = replace(
+        learned[0],
+        weights=mean,
+        standard_deviations=deviations,
+        kind="generalised",
+        parameters=asked.parameters,
+    )
+    return Alternative(
+        benches[0].controller,
+        feedforward,
+        numbers_learned=sum(item.weights.size for item in learned),
+        repetitions=sum(bench.iterations for bench in benches),
+    )
+
+
+def generalised_torque(benches: Sequence[Bench], asked: Motion) -> Alternative:
+    """Joint torques for a motion that was never tried.
+
+    Args:
+        benches: Where it is learned, motions that differ in one parameter at least.
+        asked: The motion that was never tried.
+    """
+    learned = [learn_torque(bench) for bench in benches]
+    torques = generalise_torques(asked.name, learned, asked.parameters)
+    return Alternative(
+        benches[0].controller,
+        corrections=[LearnedTorque(torques)],
+        numbers_learned=sum(item.weights.size for item in learned),
+        repetitions=sum(bench.iterations for bench in benches),
+    )
+
+
+GENERALISED: dict[str, Callable[[Sequence[Bench], Motion], Alternative]] = {
+    "task acceleration": generalised_acceleration,
+    "joint torque": generalised_torque,
+}

@@ -1,0 +1,194 @@
+"""Figures in the paper's layout, from stored traces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib
+import numpy as np
+
+from tsd_casadi.state import Vector
+from tsd_experiments.harness.jobs import Result
+from tsd_experiments.report.figures import STYLES
+
+matplotlib.use("Agg")
+
+from matplotlib import pyplot as plt
+
+# label of the legend, result, label of the run, style
+Curve = tuple[str, Result, str, str]
+MOST_MARKERS = 50
+COLOURS = ("#3b6fb6", "#c8352b", "#d99a1c", "#2f7d4f", "#6b3fa0", "#777777", "#20a0b0", "#a05030")
+
+
+def trace(result: Result, label: str, name: str) -> Any:
+    """One stored trace of a run.
+
+    Args:
+        result: The job's result.
+        label: Of the run.
+        name: One of ``case.TRACES``.
+
+    Returns:
+        (N,), a sample every ``case.TRACE_STEP`` ticks.
+    """
+    return result.arrays[f"{label}/{name}"]
+
+
+def draw_tracking(curves: Sequence[Curve], title: str) -> Any:
+    """Position, error, and the error close up (cog_err and gen_cog_err of the paper).
+
+    Args:
+        curves: The first one is left out of the close view.
+        title: Heading.
+    """
+    figure, (top, middle, bottom) = plt.subplots(3, 1, figsize=(8, 7), sharex=True)
+    bound = 0.0
+    for index, (legend, result, label, style) in enumerate(curves):
+        time, error = trace(result, label, "time"), trace(result, label, "error")
+        top.plot(time, trace(result, label, "reference") - error, label=legend, **STYLES[style])
+        for axes in (middle, bottom):
+            axes.plot(time, 1e3 * error, **STYLES[style])
+        if index:
+            bound = max(bound, 1e3 * result.row(label)["peak_error_m"])
+    _, result, label, _ = curves[0]
+    time = trace(result, label, "time")
+    top.plot(time, trace(result, label, "reference"), label="reference", **STYLES["reference"])
+    start = float(time[np.argmax(trace(result, label, "lap") >= 0)])
+    for axes in (top, middle, bottom):
+        axes.axvline(start, color="black", linestyle=":", linewidth=1)
+        axes.grid(alpha=0.3)
+    low, high = top.get_ylim()
+    top.set_ylim(low, high + 0.25 * (high - low))  # room for the legend
+    top.legend(loc="upper center", fontsize=8, ncols=4)
+    top.set(ylabel="CoM z [m]", title=title)
+    middle.set_ylabel("error [mm]")
+    bottom.set(ylabel="error, close [mm]", ylim=(-2 * bound, 2 * bound), xlabel="time [s]")
+    return finish(figure)
+
+
+def draw_errors(panels: Sequence[tuple[str, Sequence[Curve]]], shared: bool = True) -> Any:
+    """Errors over time, one panel below the other (realcog_err of the paper).
+
+    Args:
+        panels: Heading and curves of each.
+        shared: Give all panels the same time axis.
+    """
+    figure, axes = plt.subplots(
+        len(panels), 1, figsize=(8, 2.6 * len(panels)), sharex=shared, squeeze=False
+    )
+    for panel, (title, curves) in zip(axes[:, 0], panels, strict=True):
+        for legend, result, label, style in curves:
+            panel.plot(
+                trace(result, label, "time"),
+                1e3 * trace(result, label, "error"),
+                label=legend,
+                **STYLES[style],
+            )
+        panel.set(title=title, ylabel="error [mm]")
+        panel.legend(fontsize=8, ncols=3)
+        panel.grid(alpha=0.3)
+    axes[-1, 0].set_xlabel("time [s]")
+    return finish(figure)
+
+
+def draw_feedback(curves: Sequence[Curve], encoded: tuple[Result, str]) -> Any:
+    """The feedback term and the encoded feedforward over it (RBS_error of the paper).
+
+    Args:
+        curves: Runs.
+        encoded: Result and label of the run whose feedforward is drawn.
+    """
+    figure, axes = plt.subplots(figsize=(8, 3.5))
+    for legend, result, label, style in curves:
+        axes.plot(
+            trace(result, label, "time"),
+            trace(result, label, "feedback"),
+            label=legend,
+            **STYLES[style],
+        )
+    result, label = encoded
+    feedforward = trace(result, label, "feedforward")
+    axes.plot(
+        trace(result, label, "time"), feedforward, label="encoded feedforward", **STYLES["encoded"]
+    )
+    bound = 1.6 * float(np.max(np.abs(feedforward)))
+    axes.set(xlabel="time [s]", ylabel="feedback [m/s²]", ylim=(-bound, bound / 2))
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize=8, ncols=2)
+    return finish(figure)
+
+
+def draw_lines(
+    lines: Sequence[tuple[str, Sequence[float] | Vector, Sequence[float] | Vector]],
+    xlabel: str,
+    ylabel: str,
+    *,
+    logx: bool = False,
+    logy: bool = True,
+    turn: int = len(COLOURS),
+) -> Any:
+    """Lines, with markers where there is room for them.
+
+    Args:
+        lines: Legend, x and y of each.
+        xlabel: Of the x axis.
+        ylabel: Of the y axis.
+        logx: Logarithmic x axis.
+        logy: Logarithmic y axis.
+        turn: After so many lines the colours begin again, dashed.
+    """
+    figure, axes = plt.subplots(figsize=(8, 4))
+    for index, (legend, x, y) in enumerate(lines):
+        colour = COLOURS[index % turn]
+        style = "-" if index < turn else "--"
+        marker = "o" if len(x) <= MOST_MARKERS else ""
+        axes.plot(x, y, marker=marker, linestyle=style, color=colour, label=legend, markersize=4)
+    axes.set(xlabel=xlabel, ylabel=ylabel)
+    if logx:
+        axes.set_xscale("log")
+    if logy:
+        axes.set_yscale("log")
+    axes.grid(alpha=0.3, which="both")
+    axes.legend(fontsize=8, ncols=2)
+    return finish(figure)
+
+
+def draw_bands(
+    x: Vector, bands: Sequence[tuple[str, Vector, Vector, Vector]], xlabel: str, ylabel: str
+) -> Any:
+    """Predictions and what came out; below, how far off they are in two standard deviations.
+
+    Args:
+        x: The x axis, (N,).
+        bands: Legend, mean, standard deviation and outcome of each, (N,).
+        xlabel: Of the x axis.
+        ylabel: Of the y axis.
+    """
+    figure, panels = plt.subplots(
+        1 + len(bands),
+        1,
+        figsize=(8, 3.2 + 1.3 * len(bands)),
+        sharex=True,
+        height_ratios=[2.4, *(1.0 for _ in bands)],
+    )
+    top, *below = panels
+    for axes, colour, (legend, mean, std, outcome) in zip(below, COLOURS, bands, strict=False):
+        top.plot(x, mean, color=colour, label=legend)
+        top.plot(x, outcome, "--", color=colour)
+        axes.fill_between(x, -2 * std, 2 * std, color=colour, alpha=0.25)
+        axes.plot(x, outcome - mean, "--", color=colour)
+        axes.set_ylabel("off by\n[m/s²]")
+    for axes in panels:
+        axes.grid(alpha=0.3)
+    top.set_ylabel(ylabel)
+    top.legend(fontsize=8)
+    panels[-1].set_xlabel(xlabel)
+    return finish(figure)
+
+
+def finish(figure: Any) -> Any:
+    """The figure with its margins set."""
+    figure.tight_layout()
+    return figure
