@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import tsd_casadi as tsd
-from tsd_clients.service_process import ServiceProcess, free_endpoint
+from tsd_server.service_process import ServiceProcess, free_endpoint
 
 SHORT = ["--amplitude", "0.01", "--frequency", "1.0", "--laps", "2"]
 

@@ -9,8 +9,8 @@ import pytest
 
 from tsd_casadi import load_robot
 from tsd_casadi.exceptions import InvalidValue, SimulationError
-from tsd_clients import service_process
 from tsd_experiments import demo
+from tsd_server import service_process
 
 FIELDS = {
     "label", "task", "amplitude_m", "frequency_hz", "model_error", "p_scale", "feedforward",

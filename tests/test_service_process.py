@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tsd_casadi.exceptions import TsdError
-from tsd_clients.service_process import ServiceProcess, free_endpoint
+from tsd_server.service_process import ServiceProcess, free_endpoint
 
 
 def test_what_the_process_printed_is_in_the_error() -> None:
@@ -19,7 +19,7 @@ def test_what_the_process_printed_is_in_the_error() -> None:
 @pytest.mark.skipif(sys.platform != "linux", reason="the kernel's help exists on Linux only")
 def test_service_ends_when_its_parent_is_killed(tmp_path: Path) -> None:
     program = (
-        "import sys, time; from tsd_clients.service_process import *;"
+        "import sys, time; from tsd_server.service_process import *;"
         "s = ServiceProcess(['learner', '--database', sys.argv[1], '--listen', free_endpoint()]);"
         "print(s.process.pid, flush=True); time.sleep(60)"
     )

@@ -20,7 +20,7 @@ from tsd_casadi.messages.message import ErrorMessage
 from tsd_casadi.tick_format import TickFormat
 from tsd_casadi.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
 from tsd_clients.remote_controller import RemoteController
-from tsd_clients.service_process import ServiceProcess, free_endpoint
+from tsd_server.service_process import ServiceProcess, free_endpoint
 
 STRANGE_TORQUE = 7777.0
 

@@ -26,10 +26,10 @@ from tsd_clients.remote_learner import RemoteLearner
 from tsd_clients.rendering import render_squat
 from tsd_clients.repetition import Gains
 from tsd_clients.run import Run
-from tsd_clients.service_process import start_services
 from tsd_clients.simulator import UNCHANGED, MujocoSimulator
 from tsd_clients.tables import console, print_goals, print_runs
 from tsd_experiments.report.figures import draw_feedback, draw_tracking
+from tsd_server.service_process import start_services
 
 FREQUENCY = 0.25  # Hz
 MODEL_ERROR = 0.1

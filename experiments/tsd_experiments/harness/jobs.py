@@ -24,9 +24,9 @@ from tsd_casadi.exceptions import SimulationError, TsdError
 from tsd_casadi.robot import Robot, load_robot
 from tsd_casadi.state import Vector
 from tsd_casadi.version import __version__
-from tsd_clients.service_process import start_services
 from tsd_experiments.harness.case import Outcome
 from tsd_experiments.harness.duration import Span
+from tsd_server.service_process import start_services
 
 
 @dataclass(frozen=True)
