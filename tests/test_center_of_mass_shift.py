@@ -13,7 +13,7 @@ from tsd_casadi.exceptions import InvalidValue
 from tsd_clients import ModelError, MujocoSimulator, learn
 from tsd_clients.center_of_mass_shift import CenterOfMassShift
 from tsd_clients.pose_design import design_poses
-from tsd_clients.static_poses import true_center_of_mass, with_noise
+from tsd_clients.simulator.static_poses import true_center_of_mass, with_noise
 
 SQUAT = Squat(0.02, 1.0)
 

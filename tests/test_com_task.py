@@ -8,7 +8,7 @@ import pytest
 from tsd_casadi import Robot
 from tsd_casadi.symbolic_dynamics import SymbolicDynamics
 from tsd_casadi.tasks.com_task import ComTask
-from tsd_clients.parity import random_state
+from tsd_clients.simulator.parity import random_state
 
 STEP = 1e-6
 

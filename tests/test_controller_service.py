@@ -17,7 +17,7 @@ from tsd_casadi.exceptions import ServiceError, ServiceUnreachable, TsdError, Tw
 from tsd_casadi.keys import info_key, tick_key
 from tsd_casadi.messages.message import ErrorMessage
 from tsd_casadi.tick_message import HEADER, REPLY, REQUEST, pack_tick, unpack_tick
-from tsd_clients.remote_controller import RemoteController
+from tsd_clients.remote.remote_controller import RemoteController
 from tsd_server.service_process import ServiceProcess, free_endpoint
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

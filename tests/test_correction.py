@@ -9,10 +9,10 @@ from tsd_casadi import Command, Controller, Robot, Squat, State, Tick
 from tsd_casadi.state import Vector
 from tsd_clients import MujocoSimulator, Run
 from tsd_clients.correction import Correction, Moment, Setting
-from tsd_clients.disturbances import Disturbance
-from tsd_clients.mujoco_state import StateMap
-from tsd_clients.plant import TIMESTEP
 from tsd_clients.repetition import HOLD
+from tsd_clients.simulator.disturbances import Disturbance
+from tsd_clients.simulator.mujoco_plant import TIMESTEP
+from tsd_clients.simulator.state_map import StateMap
 
 SQUAT = Squat(amplitude=0.01, frequency=1.0)
 

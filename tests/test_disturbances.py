@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from tsd_casadi import Robot, State
 from tsd_casadi.exceptions import InvalidValue
 from tsd_clients import MujocoSimulator
-from tsd_clients.disturbances import Disturbance, Push, TorqueNoise
-from tsd_clients.plant import TIMESTEP, Plant
+from tsd_clients.simulator.disturbances import Disturbance, Push, TorqueNoise
+from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
 
 JOINTS = 17
 

@@ -13,7 +13,7 @@ from tsd_casadi.robot_file import FRAME_AXES
 from tsd_casadi.symbolic_dynamics import SymbolicDynamics
 from tsd_casadi.tasks.frame_task import FrameTask, rotation_matrix, rotation_vector
 from tsd_casadi.tasks.task import pack_lower_triangle, symmetric_matrix
-from tsd_clients.parity import random_state
+from tsd_clients.simulator.parity import random_state
 
 FRAME = "R_sole"
 STEP = 1e-6

@@ -21,7 +21,7 @@ from tsd_casadi.messages.learner import RecordMessage
 from tsd_casadi.messages.message import ErrorMessage
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.recording import Context, Recording, TaskKey
-from tsd_clients.remote_learner import RemoteLearner
+from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_server.service_process import ServiceProcess, free_endpoint
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

@@ -12,8 +12,8 @@ import pytest
 
 from tsd_casadi import Robot, State, load_robot
 from tsd_casadi.exceptions import RobotFileError
-from tsd_clients.mujoco_state import StateMap
-from tsd_clients.parity import random_state
+from tsd_clients.simulator.parity import random_state
+from tsd_clients.simulator.state_map import StateMap
 
 MINI = Path(__file__).parent / "robots" / "mini_biped" / "mini_biped.yaml"
 STATES = 50

@@ -11,7 +11,7 @@ import pytest
 import tsd_models
 from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import ParityError
-from tsd_clients.parity import TOLERANCE, check_parity, measure_parity, random_state
+from tsd_clients.simulator.parity import TOLERANCE, check_parity, measure_parity, random_state
 
 MINI = Path(__file__).parent / "robots" / "mini_biped" / "mini_biped.yaml"
 ROBOTS: dict[str, Path] = {**tsd_models.robot_files(), "mini_biped": MINI}

@@ -11,10 +11,10 @@ import pytest
 from tsd_casadi import Controller, Robot, State
 from tsd_casadi.state import Vector
 from tsd_clients import MujocoSimulator
-from tsd_clients.disturbances import Disturbance
-from tsd_clients.hardware import EFFECTS, SENSOR_EFFECTS
-from tsd_clients.mujoco_state import StateMap
-from tsd_clients.plant import TIMESTEP, Plant
+from tsd_clients.simulator.disturbances import Disturbance
+from tsd_clients.simulator.hardware import EFFECTS, SENSOR_EFFECTS
+from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
+from tsd_clients.simulator.state_map import StateMap
 
 
 class Watch(Disturbance):

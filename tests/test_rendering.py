@@ -5,8 +5,8 @@ import pytest
 
 from tsd_casadi import Robot
 from tsd_casadi.standing import stand
-from tsd_clients import rendering
-from tsd_clients.rendering import HINT, render_postures, side_by_side
+from tsd_clients.viewer import rendering
+from tsd_clients.viewer.rendering import HINT, render_postures, side_by_side
 
 
 def test_a_lower_posture_is_a_lower_picture(robot: Robot) -> None:

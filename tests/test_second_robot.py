@@ -10,7 +10,7 @@ import pytest
 import tsd_models
 from tsd_casadi import Controller, Robot, Squat, State, Status, compile_controller, load_robot
 from tsd_clients import MujocoSimulator
-from tsd_clients.parity import measure_parity
+from tsd_clients.simulator.parity import measure_parity
 
 FOLDER = Path(__file__).parent / "robots" / "mini_biped"
 ROOT = Path(__file__).parents[1]

@@ -19,12 +19,12 @@ from tsd_casadi.exceptions import InvalidValue, ParityError, RobotFileError, Sim
 from tsd_casadi.laps import first_steady_lap
 from tsd_casadi.tick_format import Status, TickFormat
 from tsd_clients import MujocoSimulator, Run
-from tsd_clients.disturbances import Disturbance, Push
-from tsd_clients.hardware import EFFECTS
-from tsd_clients.mujoco_state import StateMap
 from tsd_clients.repetition import EXTRA_LAPS, HOLD, TIMESTEP, Gains
 from tsd_clients.run import LOG_UNITS
-from tsd_clients.simulator import START_NOISE
+from tsd_clients.simulator.disturbances import Disturbance, Push
+from tsd_clients.simulator.hardware import EFFECTS
+from tsd_clients.simulator.simulator import START_NOISE
+from tsd_clients.simulator.state_map import StateMap
 
 SQUAT = Squat(amplitude=0.01, frequency=1.0)
 HOLD_TICKS = round(HOLD / TIMESTEP)

@@ -12,8 +12,8 @@ from scipy.integrate import solve_ivp
 
 from tsd_casadi import Controller, Robot, Squat
 from tsd_clients import MujocoSimulator
-from tsd_clients.disturbances import Push
-from tsd_clients.plant import Plant
+from tsd_clients.simulator.disturbances import Push
+from tsd_clients.simulator.mujoco_plant import Plant
 from tsd_experiments.beyond.stiffness.stiffness_or_feedforward import StiffnessOrFeedforward
 from tsd_experiments.beyond.stiffness.stiffness_runs import PUSH_DURATION, Stiffness, Witness
 from tsd_experiments.beyond.stiffness.stiffness_sweep import end_of, highest_stable, stiffness_for

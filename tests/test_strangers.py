@@ -19,7 +19,7 @@ from tsd_casadi.messages.info import InfoMessage
 from tsd_casadi.messages.message import ErrorMessage
 from tsd_casadi.tick_format import TickFormat
 from tsd_casadi.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
-from tsd_clients.remote_controller import RemoteController
+from tsd_clients.remote.remote_controller import RemoteController
 from tsd_server.service_process import ServiceProcess, free_endpoint
 
 STRANGE_TORQUE = 7777.0
@@ -201,7 +201,7 @@ def test_only_strangers_answer(
     caplog: pytest.LogCaptureFixture,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("tsd_clients.remote_controller.PATIENCE", 0.3)
+    monkeypatch.setattr("tsd_clients.remote.remote_controller.PATIENCE", 0.3)
     with (
         served(controller.format, delay=0.02) as genuine,
         RemoteController(robot.name, [genuine.endpoint]) as remote,
@@ -231,7 +231,7 @@ def test_a_copied_id_keeps_the_torque_limit(controller: tsd.Controller, robot: t
 def test_a_copied_id_with_numbers_that_are_none_is_dropped(
     controller: tsd.Controller, robot: tsd.Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tsd_clients.remote_controller.PATIENCE", 0.3)
+    monkeypatch.setattr("tsd_clients.remote.remote_controller.PATIENCE", 0.3)
     with served(controller.format) as genuine:
         genuine.stop_answering_ticks()
         part = answer_ticks(

@@ -8,7 +8,7 @@ import pytest
 from tsd_casadi.contraction import Contraction
 from tsd_casadi.messages.feedforward import QuantityMessage
 from tsd_casadi.messages.learner import DatabaseReply, EntryMessage
-from tsd_clients import tables
+from tsd_clients.console import tables
 
 SUMMARY: dict[str, Any] = {
     "label": "baseline",

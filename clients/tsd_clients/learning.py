@@ -16,7 +16,7 @@ from tsd_clients.correction import Correction
 from tsd_clients.feedforward_gate import FeedforwardGate
 from tsd_clients.repetition import Gains, Progress
 from tsd_clients.run import Run
-from tsd_clients.simulator import UNCHANGED, MujocoSimulator
+from tsd_clients.simulator.simulator import UNCHANGED, MujocoSimulator
 
 # of the error: smaller gains are not worth another repetition
 WORTHWHILE = 0.02

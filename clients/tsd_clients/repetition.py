@@ -23,8 +23,8 @@ from tsd_casadi.standing import hold
 from tsd_casadi.tick_format import Status
 from tsd_clients.correction import Correction, Moment, Setting
 from tsd_clients.feedforward_gate import FeedforwardGate
-from tsd_clients.plant import TIMESTEP, Plant
 from tsd_clients.run import Run
+from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
 
 HOLD = 1.0  # s
 # laps added beyond those asked for while the feedback has not settled

@@ -9,9 +9,9 @@ from time import monotonic
 from typing import Any
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.progress import console, show_progress
 from tsd_casadi.robot import Robot
-from tsd_clients.hardware import check_effects
+from tsd_clients.console.progress import console, show_progress
+from tsd_clients.simulator.hardware import check_effects
 from tsd_experiments.beyond.bootstrapping import Bootstrapping
 from tsd_experiments.beyond.borrowed import Borrowed
 from tsd_experiments.beyond.center_of_mass import CenterOfMass

@@ -16,8 +16,8 @@ from queue import Empty, Queue
 
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.robot import Robot
-from tsd_clients.remote_controller import RemoteController
-from tsd_clients.remote_learner import RemoteLearner
+from tsd_clients.remote.remote_controller import RemoteController
+from tsd_clients.remote.remote_learner import RemoteLearner
 
 PR_SET_PDEATHSIG = 1
 

@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from tsd_casadi.center_of_mass_fit import NOISE, MassPrior, fit_correction
-from tsd_casadi.progress import show_progress
 from tsd_casadi.robot import load_robot
 from tsd_cli.commands.options import (
     ROBOT,
@@ -25,8 +24,9 @@ from tsd_cli.commands.options import (
     open_controller,
 )
 from tsd_cli.commands.output import check_writable, put_out
-from tsd_clients.static_poses import collect, with_noise
-from tsd_clients.tables import print_accuracy
+from tsd_clients.console.progress import show_progress
+from tsd_clients.console.tables import print_accuracy
+from tsd_clients.simulator.static_poses import collect, with_noise
 from tsd_experiments.beyond.center_of_mass_study import assess
 
 

@@ -15,7 +15,7 @@ from tsd_cli.commands.options import (
     RobotOption,
 )
 from tsd_cli.commands.output import check_writable, put_out
-from tsd_clients.tables import console, print_goals
+from tsd_clients.console.tables import console, print_goals
 
 
 def demo(

@@ -19,10 +19,10 @@ from tsd_casadi.motions.squat import Squat
 from tsd_casadi.robot import Robot
 from tsd_clients.center_of_mass_shift import CenterOfMassShift
 from tsd_clients.correction import Correction
-from tsd_clients.hardware import EFFECTS
-from tsd_clients.model_error import ModelError
-from tsd_clients.remote_controller import RemoteController
-from tsd_clients.simulator import MujocoSimulator
+from tsd_clients.remote.remote_controller import RemoteController
+from tsd_clients.simulator.hardware import EFFECTS
+from tsd_clients.simulator.model_error import ModelError
+from tsd_clients.simulator.simulator import MujocoSimulator
 
 ROBOT = "hermes_lower"
 

@@ -22,8 +22,8 @@ from tsd_cli.commands.options import (
     make_motion,
 )
 from tsd_cli.commands.output import check_writable, put_out
-from tsd_clients.remote_learner import RemoteLearner
-from tsd_clients.tables import console, describe_parameters, describe_values, print_entries
+from tsd_clients.console.tables import console, describe_parameters, describe_values, print_entries
+from tsd_clients.remote.remote_learner import RemoteLearner
 
 
 def query(

@@ -20,8 +20,8 @@ from tsd_casadi.state import Vector
 from tsd_clients.center_of_mass_shift import CenterOfMassShift
 from tsd_clients.learning import learn
 from tsd_clients.run import Run
-from tsd_clients.simulator import MujocoSimulator
-from tsd_clients.static_poses import true_center_of_mass, with_noise
+from tsd_clients.simulator.simulator import MujocoSimulator
+from tsd_clients.simulator.static_poses import true_center_of_mass, with_noise
 
 # a force plate is better than this, sensors in the soles hardly are: less noise
 # is not assumed by a fit, since joint angles and soles are not perfect either

@@ -18,11 +18,11 @@ from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.robot import Robot
-from tsd_clients.disturbances import Disturbance
-from tsd_clients.model_error import ModelError
 from tsd_clients.repetition import Gains
 from tsd_clients.run import Run
-from tsd_clients.simulator import UNCHANGED, MujocoSimulator
+from tsd_clients.simulator.disturbances import Disturbance
+from tsd_clients.simulator.model_error import ModelError
+from tsd_clients.simulator.simulator import UNCHANGED, MujocoSimulator
 from tsd_experiments.comparison.alternative_methods import METHODS
 from tsd_experiments.comparison.bench import Alternative, Bench
 from tsd_experiments.comparison.generalized_methods import GENERALISED

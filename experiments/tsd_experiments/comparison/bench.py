@@ -11,7 +11,7 @@ from tsd_casadi.motions.motion import Motion
 from tsd_casadi.robot import Robot
 from tsd_clients.correction import Correction
 from tsd_clients.repetition import Gains
-from tsd_clients.simulator import MujocoSimulator
+from tsd_clients.simulator.simulator import MujocoSimulator
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ import numpy as np
 
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.robot import Robot
-from tsd_clients.disturbances import Push
 from tsd_clients.repetition import HOLD
 from tsd_clients.run import Run
+from tsd_clients.simulator.disturbances import Push
 from tsd_experiments.comparison.alternative_methods import METHODS
 from tsd_experiments.comparison.alternatives import (
     SCENARIOS,

@@ -20,12 +20,12 @@ from tsd_casadi.recording import Rule
 from tsd_casadi.robot import Robot
 from tsd_casadi.state import Vector
 from tsd_clients.correction import Correction
-from tsd_clients.disturbances import Disturbance
 from tsd_clients.learning import Learner, learn
-from tsd_clients.model_error import ModelError
 from tsd_clients.repetition import Gains
 from tsd_clients.run import Run
-from tsd_clients.simulator import MujocoSimulator
+from tsd_clients.simulator.disturbances import Disturbance
+from tsd_clients.simulator.model_error import ModelError
+from tsd_clients.simulator.simulator import MujocoSimulator
 
 # ticks between two samples of a stored trace
 TRACE_STEP = 10

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tsd_clients.hardware import EFFECTS
+from tsd_clients.simulator.hardware import EFFECTS
 from tsd_experiments.harness.case import Case
 from tsd_experiments.harness.experiment import (
     Done,

@@ -12,10 +12,10 @@ from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.robot import Robot
 from tsd_casadi.state import Vector
 from tsd_clients.correction import Correction, Moment, Setting
-from tsd_clients.disturbances import Disturbance, Push, TorqueNoise
-from tsd_clients.mujoco_state import StateMap
 from tsd_clients.repetition import HOLD
 from tsd_clients.run import Run
+from tsd_clients.simulator.disturbances import Disturbance, Push, TorqueNoise
+from tsd_clients.simulator.state_map import StateMap
 from tsd_experiments.harness.case import TRACE_STEP, Case, Outcome, feedforward_of
 
 PUSH_DURATION = 0.1  # s

@@ -28,7 +28,7 @@ from tsd_casadi.state import Matrix, Vector
 from tsd_clients.correction import Correction, Moment, Setting
 from tsd_clients.repetition import Gains
 from tsd_clients.run import Run
-from tsd_clients.simulator import UNCHANGED, MujocoSimulator
+from tsd_clients.simulator.simulator import UNCHANGED, MujocoSimulator
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ import numpy as np
 
 from tsd_casadi.robot import Robot
 from tsd_casadi.state import State, Vector
-from tsd_clients.disturbances import Disturbance
-from tsd_clients.hardware import SENSOR_EFFECTS, Actuators, Encoders, FlatFeetEstimator
-from tsd_clients.mujoco_state import StateMap
+from tsd_clients.simulator.disturbances import Disturbance
+from tsd_clients.simulator.hardware import SENSOR_EFFECTS, Actuators, Encoders, FlatFeetEstimator
+from tsd_clients.simulator.state_map import StateMap
 
 TIMESTEP = 1e-3  # s
 

@@ -123,7 +123,7 @@ def animate(frames: Pictures, seconds: float) -> bytes:
 
 
 def _render_apart(library: str, arguments: list[str], patience: float) -> bool:
-    command = [sys.executable, "-m", "tsd_clients.rendering", *arguments]
+    command = [sys.executable, "-m", "tsd_clients.viewer.rendering", *arguments]
     environment = {**os.environ, "MUJOCO_GL": library}
     try:
         done = subprocess.run(
@@ -139,7 +139,7 @@ def _render(robot_path: Path, postures: Path, target: Path, width: int, height: 
 
     from tsd_casadi.robot import load_robot
     from tsd_casadi.state import State
-    from tsd_clients.mujoco_state import StateMap
+    from tsd_clients.simulator.state_map import StateMap
 
     robot = load_robot(robot_path)
     model: Any = mujoco.MjModel.from_xml_path(str(robot.scene_path))

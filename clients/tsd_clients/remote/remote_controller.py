@@ -25,7 +25,7 @@ from tsd_casadi.state import State, Vector
 from tsd_casadi.tick import Tick
 from tsd_casadi.tick_format import TickFormat
 from tsd_casadi.tick_message import REPLY, REQUEST, TickMessage, pack_tick, unpack_tick
-from tsd_clients.session import PATIENCE, Session
+from tsd_clients.remote.session import PATIENCE, Session
 
 TICK_TIMEOUT = 0.5  # s
 

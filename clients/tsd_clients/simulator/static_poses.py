@@ -21,11 +21,11 @@ from tsd_casadi.exceptions import SimulationError
 from tsd_casadi.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick_format import Status
-from tsd_clients.plant import TIMESTEP, Plant
 from tsd_clients.pose_design import design_poses
 from tsd_clients.posture_way import Way, duration_of, short_way
 from tsd_clients.repetition import FALL_HEIGHT, Progress
-from tsd_clients.simulator import MujocoSimulator
+from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
+from tsd_clients.simulator.simulator import MujocoSimulator
 
 SETTLE, AVERAGE = 0.6, 0.2  # s, after each move
 # beyond these a foot is not flat on the ground [m, rad]

@@ -12,7 +12,7 @@ from tsd_casadi.messages.learner import DatabaseReply, EntryMessage, RecordMessa
 from tsd_casadi.messages.suggestion import SuggestionMessage
 from tsd_casadi.recording import Recording
 from tsd_casadi.suggestion import Region, Suggestion
-from tsd_clients.session import Session
+from tsd_clients.remote.session import Session
 
 
 class RemoteLearner:

@@ -15,14 +15,14 @@ from tsd_casadi.motions.motion import Motion
 from tsd_casadi.robot import Robot
 from tsd_casadi.state import State
 from tsd_clients.correction import Correction
-from tsd_clients.disturbances import Disturbance
-from tsd_clients.hardware import add_to_model, check_effects
-from tsd_clients.model_error import ModelError
-from tsd_clients.mujoco_state import StateMap
-from tsd_clients.parity import check_parity
-from tsd_clients.plant import TIMESTEP, Plant
 from tsd_clients.repetition import Gains, Progress, Repetition
 from tsd_clients.run import Run
+from tsd_clients.simulator.disturbances import Disturbance
+from tsd_clients.simulator.hardware import add_to_model, check_effects
+from tsd_clients.simulator.model_error import ModelError
+from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
+from tsd_clients.simulator.parity import check_parity
+from tsd_clients.simulator.state_map import StateMap
 
 # starting posture: joints off home by up to this [rad], as in the paper's
 # simulation, which "has a small starting randomness built-in"
@@ -53,7 +53,7 @@ class MujocoSimulator:
         Args:
             robot: The robot.
             model_error: E of every link, greater than -1, or errors that differ.
-            hardware: Effects that count, from ``tsd_clients.hardware.EFFECTS``,
+            hardware: Effects that count, from ``tsd_clients.simulator.hardware.EFFECTS``,
                 or 'all'; none by default.
 
         Raises:

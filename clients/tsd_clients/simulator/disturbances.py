@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_clients.mujoco_state import StateMap
+from tsd_clients.simulator.state_map import StateMap
 
 # a run's time is a multiple of the time step, up to rounding
 ROUNDING = 1e-9  # s

@@ -12,7 +12,7 @@ import pinocchio
 from tsd_casadi.exceptions import ParityError
 from tsd_casadi.robot import Robot
 from tsd_casadi.state import State
-from tsd_clients.mujoco_state import StateMap
+from tsd_clients.simulator.state_map import StateMap
 
 TOLERANCE = 1e-9
 
