@@ -218,7 +218,7 @@ def test_options_of_the_simulated_robot_reach_the_run(controller: tsd.Controller
 def test_log_has_every_tick(connect: list[str], tmp_path: Path) -> None:
     import numpy as np
 
-    from tsd_clients.run import LOG_UNITS
+    from tsd_casadi.repetition.run import LOG_UNITS
 
     target = tmp_path / "log.npz"
     done = tsd_command("simulate", "squat", *SHORT, "--log", str(target), "--json", "-", *connect)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tsd_casadi import Command, Controller, Robot, Squat, State, Tick
+from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi.repetition.repetition import HOLD
 from tsd_casadi.state import Vector
 from tsd_clients import MujocoSimulator, Run
-from tsd_clients.correction import Correction, Moment, Setting
-from tsd_clients.repetition import HOLD
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.mujoco_plant import TIMESTEP
 from tsd_clients.simulator.state_map import StateMap

@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 
 from tsd_casadi import Controller, Feedforward, PeriodicBasis, Robot, Squat
 from tsd_casadi.motions.motion import Reference
+from tsd_casadi.repetition.compensator import Moment
+from tsd_casadi.repetition.feedforward_gate import FADE, FeedforwardGate
+from tsd_casadi.repetition.repetition import HOLD
 from tsd_cli import command_line
 from tsd_cli.commands import simulate
 from tsd_clients import MujocoSimulator, Run
-from tsd_clients.correction import Moment
-from tsd_clients.feedforward_gate import FADE, FeedforwardGate
-from tsd_clients.repetition import HOLD
 
 DT = 1e-3
 FREQUENCY = 1.0

@@ -9,8 +9,8 @@ from scipy.signal import lti, step
 
 from tsd_casadi import Controller, Robot, Squat, Status
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.repetition.compensator import Correction
 from tsd_clients import MujocoSimulator
-from tsd_clients.correction import Correction
 from tsd_experiments.comparison.baselines.integral_action import ROUTH_SHARE, IntegralAction
 
 P, D, DT = 50.0, 2 * np.sqrt(50.0), 1e-3

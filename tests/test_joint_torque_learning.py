@@ -9,8 +9,8 @@ import pytest
 from tsd_casadi import Controller, PeriodicBasis, Robot, Squat, State
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue, SimulationError
 from tsd_casadi.motions.motion import Reference
+from tsd_casadi.repetition.compensator import Moment, Setting
 from tsd_clients import MujocoSimulator
-from tsd_clients.correction import Moment, Setting
 from tsd_experiments.comparison.baselines.joint_torque_learning import (
     FeedbackTorque,
     LearnedTorque,

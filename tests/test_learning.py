@@ -18,9 +18,9 @@ from tsd_casadi.exceptions import (
     TsdError,
 )
 from tsd_casadi.recording import TaskKey
+from tsd_casadi.repetition.learn import record_of
 from tsd_casadi.tick_format import Status
 from tsd_clients import MujocoSimulator, Run, learn
-from tsd_clients.learning import record_of
 
 SQUAT = Squat(amplitude=0.01, frequency=1.0)
 AT = {"amplitude": 0.01, "frequency": 1.0, "height": 0.0}
@@ -314,7 +314,7 @@ class Scripted:
         self.errors = iter(errors)
         self.contractions: tuple[Any, ...] = ("an account",)
         monkeypatch.setattr(MujocoSimulator, "run", self.run)
-        monkeypatch.setattr("tsd_clients.learning.record_of", self.note)
+        monkeypatch.setattr("tsd_casadi.repetition.learn.record_of", self.note)
 
     def run(self, *_: Any, **__: Any) -> Any:
         error = next(self.errors)

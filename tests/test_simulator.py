@@ -12,15 +12,15 @@ import numpy as np
 import pinocchio
 import pytest
 
-import tsd_clients.repetition
+import tsd_casadi.repetition.repetition
 from tsd_casadi import Command, Controller, Feedforward, PeriodicBasis, Robot, Squat, State, Tick
 from tsd_casadi import load_robot as load
 from tsd_casadi.exceptions import InvalidValue, ParityError, RobotFileError, SimulationError
 from tsd_casadi.laps import first_steady_lap
+from tsd_casadi.repetition.repetition import EXTRA_LAPS, HOLD, TIMESTEP, Gains
+from tsd_casadi.repetition.run import LOG_UNITS
 from tsd_casadi.tick_format import Status, TickFormat
 from tsd_clients import MujocoSimulator, Run
-from tsd_clients.repetition import EXTRA_LAPS, HOLD, TIMESTEP, Gains
-from tsd_clients.run import LOG_UNITS
 from tsd_clients.simulator.disturbances import Disturbance, Push
 from tsd_clients.simulator.hardware import EFFECTS
 from tsd_clients.simulator.simulator import START_NOISE
@@ -479,7 +479,7 @@ def test_what_never_settles_is_said_not_to_and_measured_over_two_laps(
     simulator: MujocoSimulator, controller: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert EXTRA_LAPS >= 5
-    monkeypatch.setattr(tsd_clients.repetition, "EXTRA_LAPS", 2)
+    monkeypatch.setattr(tsd_casadi.repetition.repetition, "EXTRA_LAPS", 2)
     stub = Stub(controller, _drifting([float(lap) for lap in range(10)]))
     run = simulator.run(stub, SQUAT, laps=2)
     assert (run.steady, run.fell, run.laps_run, len(run.laps)) == (False, False, 4, 2)

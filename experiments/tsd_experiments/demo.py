@@ -17,15 +17,15 @@ from typing import Any
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions.squat import Squat
+from tsd_casadi.repetition.learn import learn
+from tsd_casadi.repetition.repetition import Gains
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot import Robot
 from tsd_casadi.version import __version__
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.tables import console, print_goals, print_runs
-from tsd_clients.learning import learn
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_clients.remote.remote_learner import RemoteLearner
-from tsd_clients.repetition import Gains
-from tsd_clients.run import Run
 from tsd_clients.simulator.simulator import UNCHANGED, MujocoSimulator
 from tsd_clients.viewer.rendering import render_squat
 from tsd_experiments.report.figures import draw_feedback, draw_tracking

@@ -14,6 +14,9 @@ from tsd_casadi.endpoints import LEARNER
 from tsd_casadi.exceptions import InvalidValue, TsdError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
+from tsd_casadi.repetition.learn import learn as learn_motions
+from tsd_casadi.repetition.repetition import Gains
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot import Robot, load_robot
 from tsd_cli.commands.options import (
     ROBOT,
@@ -46,10 +49,7 @@ from tsd_cli.commands.output import check_writable, label_of, put_out
 from tsd_cli.commands.region import parse_region
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.tables import print_contractions, print_places, print_runs
-from tsd_clients.learning import learn as learn_motions
 from tsd_clients.remote.remote_learner import RemoteLearner
-from tsd_clients.repetition import Gains
-from tsd_clients.run import Run
 
 # iterations without progress after which stable learning has converged
 PATIENCE = 3

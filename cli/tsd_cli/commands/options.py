@@ -16,9 +16,9 @@ from tsd_casadi.endpoints import CONTROLLER, LEARNER
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.motions.squat import Squat
+from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
+from tsd_casadi.repetition.compensator import Correction
 from tsd_casadi.robot import Robot
-from tsd_clients.center_of_mass_shift import CenterOfMassShift
-from tsd_clients.correction import Correction
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_clients.simulator.hardware import EFFECTS
 from tsd_clients.simulator.model_error import ModelError

@@ -10,7 +10,7 @@ from typing import Any
 import typer
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_clients.run import Run
+from tsd_casadi.repetition.run import Run
 
 
 def put_out(result: dict[str, Any], json_file: str | None, show: Callable[[], object]) -> None:

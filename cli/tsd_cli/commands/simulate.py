@@ -10,6 +10,8 @@ import typer
 from tsd_casadi.endpoints import LEARNER
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
+from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
+from tsd_casadi.repetition.repetition import Gains
 from tsd_casadi.robot import Robot, load_robot
 from tsd_cli.commands.options import (
     ROBOT,
@@ -40,9 +42,7 @@ from tsd_cli.commands.options import (
 from tsd_cli.commands.output import check_writable, label_of, put_out
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.tables import print_runs
-from tsd_clients.feedforward_gate import FeedforwardGate
 from tsd_clients.remote.remote_learner import RemoteLearner
-from tsd_clients.repetition import Gains
 
 FELL = 3
 

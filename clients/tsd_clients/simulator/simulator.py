@@ -12,11 +12,11 @@ from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
+from tsd_casadi.repetition.compensator import Correction
+from tsd_casadi.repetition.repetition import Gains, Progress, Repetition
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot import Robot
 from tsd_casadi.state import State
-from tsd_clients.correction import Correction
-from tsd_clients.repetition import Gains, Progress, Repetition
-from tsd_clients.run import Run
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.hardware import add_to_model, check_effects
 from tsd_clients.simulator.model_error import ModelError

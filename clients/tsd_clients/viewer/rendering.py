@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot import Robot
 from tsd_casadi.state import Matrix
-from tsd_clients.run import Run
 
 Pictures = NDArray[np.uint8]
 

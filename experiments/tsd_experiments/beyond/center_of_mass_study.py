@@ -15,11 +15,11 @@ from tsd_casadi.center_of_mass_fit import MassPrior, StaticPose, fit_correction,
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.database import Database
 from tsd_casadi.motions.motion import Motion
+from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
+from tsd_casadi.repetition.learn import learn
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.standing import stand
 from tsd_casadi.state import Vector
-from tsd_clients.center_of_mass_shift import CenterOfMassShift
-from tsd_clients.learning import learn
-from tsd_clients.run import Run
 from tsd_clients.simulator.simulator import MujocoSimulator
 from tsd_clients.simulator.static_poses import true_center_of_mass, with_noise
 

@@ -26,8 +26,8 @@ from tsd_casadi.identification import (
 from tsd_casadi.identified_robot import write_robot
 from tsd_casadi.iterative_learning import update_weights
 from tsd_casadi.physical_consistency import PARAMETERS
-from tsd_clients.correction import Correction
-from tsd_clients.learning import learn, record_of
+from tsd_casadi.repetition.compensator import Correction
+from tsd_casadi.repetition.learn import learn, record_of
 from tsd_experiments.comparison.baselines.disturbance_observer import (
     DisturbanceObserver,
     usual_bandwidth,

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
+from tsd_casadi.repetition.compensator import Correction
+from tsd_casadi.repetition.repetition import Gains
 from tsd_casadi.robot import Robot
-from tsd_clients.correction import Correction
-from tsd_clients.repetition import Gains
 from tsd_clients.simulator.simulator import MujocoSimulator
 
 

@@ -17,12 +17,12 @@ from tsd_casadi.feedforward import Feedforward, Kind
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.recording import Rule
+from tsd_casadi.repetition.compensator import Correction
+from tsd_casadi.repetition.learn import Learner, learn
+from tsd_casadi.repetition.repetition import Gains
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot import Robot
 from tsd_casadi.state import Vector
-from tsd_clients.correction import Correction
-from tsd_clients.learning import Learner, learn
-from tsd_clients.repetition import Gains
-from tsd_clients.run import Run
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.model_error import ModelError
 from tsd_clients.simulator.simulator import MujocoSimulator

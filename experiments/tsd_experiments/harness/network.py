@@ -8,10 +8,10 @@ from typing import Any
 
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.repetition.learn import learn
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot import Robot
-from tsd_clients.learning import learn
 from tsd_clients.remote.remote_learner import RemoteLearner
-from tsd_clients.run import Run
 from tsd_experiments.harness.case import Case, Outcome
 
 ITERATIONS = 2

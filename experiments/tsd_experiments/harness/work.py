@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.repetition.learn import Learner
 from tsd_casadi.robot import Robot
-from tsd_clients.learning import Learner
 from tsd_experiments.harness.case import Case, Outcome, learn_case, replay_case
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tsd_clients.repetition import FALL_HEIGHT
+from tsd_casadi.repetition.repetition import FALL_HEIGHT
 from tsd_experiments.harness.case import Case
 from tsd_experiments.harness.experiment import (
     Done,

@@ -8,7 +8,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 
-from tsd_clients.run import Run
+from tsd_casadi.repetition.run import Run
 
 matplotlib.use("Agg")
 

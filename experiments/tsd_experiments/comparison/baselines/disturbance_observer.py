@@ -23,9 +23,9 @@ from __future__ import annotations
 import math
 
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.repetition.compensator import Correction, Moment, Setting
 from tsd_casadi.robot import Robot
 from tsd_casadi.tick_format import Status
-from tsd_clients.correction import Correction, Moment, Setting
 
 LIMIT = 5.0  # m/s^2, half of gravity
 

@@ -19,9 +19,9 @@ import math
 import numpy as np
 import pinocchio
 
+from tsd_casadi.repetition.compensator import Correction, Moment, Setting
 from tsd_casadi.robot_file import FRAME_AXES
 from tsd_casadi.state import Vector
-from tsd_clients.correction import Correction, Moment, Setting
 
 ANGLE = 0.08  # A_w [rad]
 SHIFT = 0.01  # A_x [m]

@@ -9,8 +9,8 @@ which is stable for :math:`K_i < P D` (Routh).
 from __future__ import annotations
 
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.repetition.compensator import Correction, Moment, Setting
 from tsd_casadi.tick_format import Status
-from tsd_clients.correction import Correction, Moment, Setting
 
 # of the Routh limit P D: three equal poles where D^2 = 3 P, a damping ratio of
 # 0.74 where D = 2 sqrt(P)

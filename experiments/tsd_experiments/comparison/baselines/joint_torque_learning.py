@@ -24,10 +24,10 @@ from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.generalization import WeightRegression
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi.repetition.repetition import Gains
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.state import Matrix, Vector
-from tsd_clients.correction import Correction, Moment, Setting
-from tsd_clients.repetition import Gains
-from tsd_clients.run import Run
 from tsd_clients.simulator.simulator import UNCHANGED, MujocoSimulator
 
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from tsd_casadi.exceptions import SimulationError
 from tsd_casadi.identification import Observations
+from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.state import Matrix, Vector
-from tsd_clients.correction import Correction, Moment, Setting
-from tsd_clients.run import Run
 
 BINS = 200  # of a lap
 HARMONICS = 10  # of the motion, what lies above is noise

@@ -11,11 +11,11 @@ from tsd_casadi.exceptions import InvalidValue, SimulationError, TsdError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.recording import Context, Recording, Rule, TaskKey
+from tsd_casadi.repetition.compensator import Correction
+from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
+from tsd_casadi.repetition.repetition import Gains, Progress
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.version import __version__
-from tsd_clients.correction import Correction
-from tsd_clients.feedforward_gate import FeedforwardGate
-from tsd_clients.repetition import Gains, Progress
-from tsd_clients.run import Run
 from tsd_clients.simulator.simulator import UNCHANGED, MujocoSimulator
 
 # of the error: smaller gains are not worth another repetition

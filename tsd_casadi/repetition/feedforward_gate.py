@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 from collections import deque
 
-from tsd_clients.correction import Correction, Moment, Setting
+from tsd_casadi.repetition.compensator import Correction, Moment, Setting
 
 FADE = 0.2  # s
 # of squared errors: below it there is nothing to judge

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
 from tsd_casadi.exceptions import InvalidValue
-from tsd_clients.correction import Correction, Moment, Setting
+from tsd_casadi.repetition.compensator import Correction, Moment, Setting
 
 
 class CenterOfMassShift(Correction):

@@ -18,12 +18,12 @@ from tsd_casadi.laps import Lap, first_steady_lap
 from tsd_casadi.motions.motion import Motion, Reference
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.phase_oscillator import PhaseOscillator
+from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot import Robot
 from tsd_casadi.standing import hold
 from tsd_casadi.tick_format import Status
-from tsd_clients.correction import Correction, Moment, Setting
-from tsd_clients.feedforward_gate import FeedforwardGate
-from tsd_clients.run import Run
 from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
 
 HOLD = 1.0  # s
