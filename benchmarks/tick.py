@@ -24,7 +24,7 @@ from threadpoolctl import threadpool_limits
 from benchmarks.numeric_controller import NumericController
 from tsd_casadi.controller import Controller, compile_controller
 from tsd_casadi.motions.squat import Squat
-from tsd_casadi.robot import load_robot
+from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.state import State, Vector
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.tables import console

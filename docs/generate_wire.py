@@ -5,6 +5,8 @@ Run: python docs/generate_wire.py
 
 from pathlib import Path
 
+from tsd_casadi.robot.robot.robot import load_robot
+
 from tsd_casadi import endpoints, keys
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.inverse_dynamics import InverseDynamics
@@ -13,8 +15,7 @@ from tsd_casadi.messages.feedforward import FeedforwardMessage
 from tsd_casadi.messages.learner import RecordMessage, RecordReply
 from tsd_casadi.messages.message import json_schema
 from tsd_casadi.messages.suggestion import SuggestionMessage
-from tsd_casadi.robot import load_robot
-from tsd_casadi.task_parameters import TASK_PARAMETERS
+from tsd_casadi.motions.parameter import TASK_PARAMETERS
 from tsd_casadi.tick_format import STATUS_MEANING
 from tsd_casadi.tick_message import HEADER, HEADER_FIELDS
 

@@ -13,7 +13,7 @@ from scipy.linalg import null_space
 
 from tsd_casadi import Robot, State, load_robot
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
-from tsd_casadi.robot_file import HardwareFile
+from tsd_casadi.robot.robot_file import HardwareFile
 from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.hardware import (
     ACTUATOR_EFFECTS,

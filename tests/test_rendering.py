@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tsd_casadi import Robot
-from tsd_casadi.standing import stand
+from tsd_casadi.robot.standing import stand
 from tsd_clients.viewer import rendering
 from tsd_clients.viewer.rendering import HINT, render_postures, side_by_side
 

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from tsd_casadi import Squat
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.task_parameters import (
+from tsd_casadi.motions.parameter import (
     TASK_PARAMETERS,
     complete_parameters,
     default_parameters,

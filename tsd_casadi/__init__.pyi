@@ -9,8 +9,8 @@ from .inverse_dynamics import InverseDynamics as InverseDynamics
 from .motions.motion import Motion as Motion
 from .motions.squat import Squat as Squat
 from .periodic_basis import PeriodicBasis as PeriodicBasis
-from .robot import Robot as Robot
-from .robot import load_robot as load_robot
+from .robot.robot import Robot as Robot
+from .robot.robot import load_robot as load_robot
 from .state import State as State
 from .tick import Tick as Tick
 from .tick_format import Status as Status

@@ -10,7 +10,7 @@ import pinocchio
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
 from tsd_casadi.messages.center_of_mass import CenterOfMassMessage
 from tsd_casadi.messages.message import to_matrix
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
 from tsd_casadi.static_chain import StaticChain
 

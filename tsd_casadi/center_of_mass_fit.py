@@ -30,7 +30,7 @@ import numpy as np
 
 from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Vector
 from tsd_casadi.static_chain import StaticChain
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from tsd_casadi.layout import Field
-from tsd_casadi.robot import Robot
-from tsd_casadi.robot_file import Contact
+from tsd_casadi.robot.robot import Robot
+from tsd_casadi.robot.robot_file import Contact
 
 
 def contact_fields(contact: Contact, robot: Robot) -> tuple[Field, ...]:

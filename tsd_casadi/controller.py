@@ -15,7 +15,7 @@ from tsd_casadi.code_generation import QUATERNION_TOLERANCE, generate_sources
 from tsd_casadi.command import Command
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.inverse_dynamics import InverseDynamics
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick import Tick
 from tsd_casadi.tick_format import TickFormat

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sqlite3
 
-from tsd_casadi.task_parameters import default_parameters
+from tsd_casadi.motions.parameter import default_parameters
 
 APPLICATION_ID = 0x54534443  # 'TSDC', in the file's header
 SCHEMA_VERSION = 3

@@ -10,8 +10,8 @@ from tsd_casadi.entry import Entry
 from tsd_casadi.exceptions import EntryNotFound
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.generalization import WeightRegression
+from tsd_casadi.motions.parameter import unit_of
 from tsd_casadi.periodic_basis import PeriodicBasis
-from tsd_casadi.task_parameters import unit_of
 
 MINIMUM_ENTRIES = 2
 # fits that are kept, one per group of entries

@@ -19,9 +19,9 @@ import numpy as np
 
 from tsd_casadi.calibration import deviation_scale, lap, leave_one_out, student_factor
 from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
+from tsd_casadi.motions.parameter import unit_of
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix, Vector
-from tsd_casadi.task_parameters import unit_of
 
 # noise of learned weights, as a share of their variance: the most by which learning
 # the same once more with other sensor noise differs. It is not fitted, since a

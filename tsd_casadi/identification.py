@@ -31,7 +31,7 @@ from tsd_casadi.physical_consistency import (
     pseudo_inertia,
     scalar,
 )
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
 
 # sigma [N m]: more than the residuals, which are friction and lag and no white

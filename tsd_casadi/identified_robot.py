@@ -9,7 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from tsd_casadi.exceptions import RobotFileError
-from tsd_casadi.robot import Robot, load_robot
+from tsd_casadi.robot.robot import Robot, load_robot
 
 FIXED = "fixed"
 INERTIA_ENTRIES = {

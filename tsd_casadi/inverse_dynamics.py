@@ -35,7 +35,7 @@ from tsd_casadi.desired_acceleration import desired_acceleration, feedback_accel
 from tsd_casadi.force_regularization import force_cost
 from tsd_casadi.layout import Layout
 from tsd_casadi.posture import null_space_projector, posture_acceleration, posture_cost
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.rows import Rows, stack_rows
 from tsd_casadi.safe_torque import safe_torque
 from tsd_casadi.state import Matrix, Vector

@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
 
 

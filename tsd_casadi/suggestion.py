@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from tsd_casadi.entry import Entry
 from tsd_casadi.entry_regression import EntryRegressions, is_learned, varied_parameters
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue
+from tsd_casadi.motions.parameter import complete_parameters
 from tsd_casadi.state import Matrix, Vector
-from tsd_casadi.task_parameters import complete_parameters
 
 # (low, high) of each parameter that may be chosen, SI units
 Region = Mapping[str, tuple[float, float]]

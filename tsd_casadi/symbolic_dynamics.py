@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from pinocchio_casadi import SymbolicModel
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 
 
 @dataclass(frozen=True)

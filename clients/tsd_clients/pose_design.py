@@ -20,9 +20,9 @@ import pinocchio
 
 from tsd_casadi.center_of_mass_fit import NOISE, MassPrior, prior_correction
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.robot import Robot
-from tsd_casadi.robot_file import FrameTaskFile
-from tsd_casadi.standing import stand
+from tsd_casadi.robot.robot import Robot
+from tsd_casadi.robot.robot_file import FrameTaskFile
+from tsd_casadi.robot.standing import stand
 from tsd_casadi.state import Matrix, State, Vector
 from tsd_casadi.static_chain import StaticChain
 

@@ -20,7 +20,7 @@ from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.repetition import Gains
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.version import __version__
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.tables import console, print_goals, print_runs

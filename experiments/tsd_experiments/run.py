@@ -9,7 +9,7 @@ from time import monotonic
 from typing import Any
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_clients.console.progress import console, show_progress
 from tsd_clients.simulator.hardware import check_effects
 from tsd_experiments.beyond.bootstrapping import Bootstrapping

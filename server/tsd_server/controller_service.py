@@ -10,7 +10,7 @@ from tsd_casadi.controller import Controller, compile_controller
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
 from tsd_casadi.keys import info_key, tick_key
 from tsd_casadi.messages.info import InfoMessage
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
 from tsd_casadi.version import __version__
 from tsd_server.service import Service, reply_json

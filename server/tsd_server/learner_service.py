@@ -21,7 +21,7 @@ from tsd_casadi.keys import (
 from tsd_casadi.messages.feedforward import FeedforwardMessage
 from tsd_casadi.messages.learner import DatabaseReply, EntryMessage, RecordMessage, RecordReply
 from tsd_casadi.messages.suggestion import SuggestionMessage
-from tsd_casadi.task_parameters import RESERVED
+from tsd_casadi.motions.parameter import RESERVED
 from tsd_server.service import Service, reply_json
 
 # robot chunk of replies to a query for any robot

@@ -15,7 +15,7 @@ from pathlib import Path
 from queue import Empty, Queue
 
 from tsd_casadi.exceptions import TsdError
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_clients.remote.remote_learner import RemoteLearner
 

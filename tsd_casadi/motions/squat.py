@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.motions.motion import Reference
-from tsd_casadi.robot import Robot
-from tsd_casadi.standing import stand
+from tsd_casadi.motions.parameter import unit_of
+from tsd_casadi.robot.robot import Robot
+from tsd_casadi.robot.standing import stand
 from tsd_casadi.state import State
-from tsd_casadi.task_parameters import unit_of
 
 
 @dataclass(frozen=True)

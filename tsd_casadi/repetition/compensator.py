@@ -10,7 +10,7 @@ import numpy as np
 from tsd_casadi.command import Command
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.motions.motion import Reference
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick import Tick
 

@@ -21,8 +21,8 @@ from tsd_casadi.phase_oscillator import PhaseOscillator
 from tsd_casadi.repetition.compensator import Correction, Moment, Setting
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot import Robot
-from tsd_casadi.standing import hold
+from tsd_casadi.robot.robot import Robot
+from tsd_casadi.robot.standing import hold
 from tsd_casadi.tick_format import Status
 from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tsd_casadi.layout import Field
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.symbolic_dynamics import SymbolicDynamics
 from tsd_casadi.tasks.task import Read, Task, TaskTerms
 

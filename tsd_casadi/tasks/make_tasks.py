@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.tasks.com_task import ComTask
 from tsd_casadi.tasks.frame_task import FrameTask
 from tsd_casadi.tasks.task import Task

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from tsd_casadi.layout import Field
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Vector
 from tsd_casadi.symbolic_dynamics import SymbolicDynamics
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.robot import load_robot
+from tsd_casadi.robot.robot import load_robot
 from tsd_cli.commands.options import (
     ROBOT,
     JsonOption,

@@ -17,7 +17,7 @@ from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.learn import learn as learn_motions
 from tsd_casadi.repetition.repetition import Gains
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot import Robot, load_robot
+from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.commands.options import (
     ROBOT,
     AmplitudeOption,

@@ -18,7 +18,7 @@ from tsd_casadi.motions.motion import Motion
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
 from tsd_casadi.repetition.compensator import Correction
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_clients.simulator.hardware import EFFECTS
 from tsd_clients.simulator.model_error import ModelError

@@ -10,7 +10,7 @@ import typer
 
 from tsd_casadi.endpoints import LEARNER
 from tsd_casadi.messages.feedforward import FeedforwardMessage
-from tsd_casadi.robot import load_robot
+from tsd_casadi.robot.robot import load_robot
 from tsd_cli.commands.options import (
     ROBOT,
     ConnectOption,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 
 EXPECTED = "NAME=LOW:HIGH, as amplitude=0.02:0.08, or NAME alone for the robot's whole range"
 

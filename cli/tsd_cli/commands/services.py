@@ -9,7 +9,7 @@ import typer
 
 from tsd_casadi.database import default_path
 from tsd_casadi.endpoints import CONTROLLER, LEARNER
-from tsd_casadi.robot import load_robot
+from tsd_casadi.robot.robot import load_robot
 from tsd_cli.commands.options import (
     ROBOT,
     ListenOption,

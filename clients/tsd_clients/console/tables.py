@@ -12,7 +12,7 @@ from rich.table import Table
 
 from tsd_casadi.contraction import Contraction
 from tsd_casadi.messages.learner import DatabaseReply, EntryMessage
-from tsd_casadi.task_parameters import unit_of
+from tsd_casadi.motions.parameter import unit_of
 
 # tables need this many columns; pipes and narrow terminals get them as well
 WIDTH = 130

@@ -19,8 +19,8 @@ import pinocchio
 from scipy.linalg.lapack import dposv
 
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
-from tsd_casadi.robot import Robot
-from tsd_casadi.robot_file import HardwareFile
+from tsd_casadi.robot.robot import Robot
+from tsd_casadi.robot.robot_file import HardwareFile
 from tsd_casadi.state import State, Vector
 
 ACTUATOR_EFFECTS = ("armature", "friction", "delay", "lag")

@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.hardware import SENSOR_EFFECTS, Actuators, Encoders, FlatFeetEstimator

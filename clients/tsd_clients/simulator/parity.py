@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.exceptions import ParityError
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State
 from tsd_clients.simulator.state_map import StateMap
 

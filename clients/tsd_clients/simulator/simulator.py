@@ -15,7 +15,7 @@ from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.compensator import Correction
 from tsd_casadi.repetition.repetition import Gains, Progress, Repetition
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.hardware import add_to_model, check_effects

@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from tsd_casadi.exceptions import RobotFileError
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, State, Vector
 
 WXYZ_TO_XYZW = [1, 2, 3, 0]

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix
 
 Pictures = NDArray[np.uint8]
@@ -137,7 +137,7 @@ def _render_apart(library: str, arguments: list[str], patience: float) -> bool:
 def _render(robot_path: Path, postures: Path, target: Path, width: int, height: int) -> None:
     import mujoco
 
-    from tsd_casadi.robot import load_robot
+    from tsd_casadi.robot.robot import load_robot
     from tsd_casadi.state import State
     from tsd_clients.simulator.state_map import StateMap
 

@@ -12,7 +12,7 @@ from tsd_casadi.harmonics import sample_phases
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.repetition import HOLD
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_experiments.harness.case import Case, Outcome, replay_case
 from tsd_experiments.harness.experiment import (
     Done,

@@ -18,7 +18,7 @@ from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.standing import stand
+from tsd_casadi.robot.standing import stand
 from tsd_casadi.state import Vector
 from tsd_clients.simulator.simulator import MujocoSimulator
 from tsd_clients.simulator.static_poses import true_center_of_mass, with_noise

@@ -19,7 +19,7 @@ from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.repetition import Gains
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.model_error import ModelError
 from tsd_clients.simulator.simulator import UNCHANGED, MujocoSimulator

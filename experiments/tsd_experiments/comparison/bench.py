@@ -10,7 +10,7 @@ from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.compensator import Correction
 from tsd_casadi.repetition.repetition import Gains
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_clients.simulator.simulator import MujocoSimulator
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.repetition.repetition import HOLD
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_clients.simulator.disturbances import Push
 from tsd_experiments.comparison.alternative_methods import METHODS
 from tsd_experiments.comparison.alternatives import (

@@ -21,7 +21,7 @@ from tsd_casadi.repetition.compensator import Correction
 from tsd_casadi.repetition.learn import Learner, learn
 from tsd_casadi.repetition.repetition import Gains
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Vector
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.model_error import ModelError

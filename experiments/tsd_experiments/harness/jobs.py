@@ -21,7 +21,7 @@ import numpy as np
 
 from tsd_casadi.controller import Controller, compile_controller
 from tsd_casadi.exceptions import SimulationError, TsdError
-from tsd_casadi.robot import Robot, load_robot
+from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_casadi.state import Vector
 from tsd_casadi.version import __version__
 from tsd_experiments.harness.case import Outcome

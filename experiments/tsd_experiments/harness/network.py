@@ -10,7 +10,7 @@ from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_experiments.harness.case import Case, Outcome
 

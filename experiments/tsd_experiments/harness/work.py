@@ -6,7 +6,7 @@ from typing import Any
 
 from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.repetition.learn import Learner
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_experiments.harness.case import Case, Outcome, learn_case, replay_case
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 
 from tsd_casadi.controller import WholeBodyController
-from tsd_casadi.robot import Robot, load_robot
+from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_clients.simulator.mujoco_plant import TIMESTEP
 from tsd_clients.viewer.rendering import HINT, Pictures, animate, render_postures
 from tsd_experiments.harness.case import Case, Outcome, feedforward_of, learn_case

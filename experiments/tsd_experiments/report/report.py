@@ -14,7 +14,7 @@ from typing import Any
 
 from matplotlib import pyplot as plt
 
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.version import __version__
 from tsd_experiments.harness.experiment import Goal, Section, Table
 from tsd_experiments.harness.jobs import cores

@@ -12,7 +12,7 @@ from tsd_casadi.controller import WholeBodyController
 from tsd_casadi.repetition.compensator import Correction, Moment, Setting
 from tsd_casadi.repetition.repetition import HOLD
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot import Robot
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Vector
 from tsd_clients.simulator.disturbances import Disturbance, Push, TorqueNoise
 from tsd_clients.simulator.state_map import StateMap

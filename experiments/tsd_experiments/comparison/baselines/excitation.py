@@ -20,7 +20,7 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.repetition.compensator import Correction, Moment, Setting
-from tsd_casadi.robot_file import FRAME_AXES
+from tsd_casadi.robot.robot_file import FRAME_AXES
 from tsd_casadi.state import Vector
 
 ANGLE = 0.08  # A_w [rad]

@@ -7,7 +7,7 @@ import pinocchio
 
 from tsd_casadi.identification import Friction
 from tsd_casadi.repetition.compensator import Correction, Moment, Setting
-from tsd_casadi.robot_file import FRAME_AXES, ComTaskFile
+from tsd_casadi.robot.robot_file import FRAME_AXES, ComTaskFile
 from tsd_casadi.state import Matrix, Vector
 
 

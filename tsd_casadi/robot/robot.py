@@ -12,7 +12,7 @@ import pinocchio
 
 import tsd_models
 from tsd_casadi.exceptions import InvalidValue, RobotFileError, UnknownRobot
-from tsd_casadi.robot_file import RobotFile, read_robot_file
+from tsd_casadi.robot.robot_file import RobotFile, read_robot_file
 from tsd_casadi.state import State, Vector
 
 # how far home may leave the soles from lying flat on one plane [m, -]

@@ -14,9 +14,9 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.command import Command
-from tsd_casadi.robot import Robot
-from tsd_casadi.robot_file import FRAME_AXES, ComTaskFile
-from tsd_casadi.standing import hold
+from tsd_casadi.robot.robot import Robot
+from tsd_casadi.robot.robot_file import FRAME_AXES, ComTaskFile
+from tsd_casadi.robot.standing import hold
 from tsd_casadi.state import State, Vector
 
 # highest accelerations on the way: of the centre of mass [m/s^2], which shifts

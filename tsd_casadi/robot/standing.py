@@ -20,8 +20,8 @@ import pinocchio
 
 from tsd_casadi.command import Command
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.robot import Robot
-from tsd_casadi.robot_file import ComTaskFile
+from tsd_casadi.robot.robot import Robot
+from tsd_casadi.robot.robot_file import ComTaskFile
 from tsd_casadi.state import Matrix, State, Vector
 
 # alpha: larger steps overshoot where the knees are nearly straight
