@@ -9,8 +9,8 @@ import daqp
 import numpy as np
 import pinocchio
 
-from tsd_casadi.inverse_dynamics import InverseDynamics, QuadraticProgram
-from tsd_casadi.posture import DAMPING
+from tsd_casadi.costs.null_space_posture import DAMPING
+from tsd_casadi.formulation.inverse_dynamics import InverseDynamics, QuadraticProgram
 from tsd_casadi.robot.robot_file import FRAME_AXES
 from tsd_casadi.state import Matrix, Vector
 

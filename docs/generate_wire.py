@@ -9,7 +9,7 @@ from tsd_casadi.robot.robot.robot import load_robot
 
 from tsd_casadi import endpoints, keys
 from tsd_casadi.exceptions import TsdError
-from tsd_casadi.inverse_dynamics import InverseDynamics
+from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
 from tsd_casadi.layout import Layout
 from tsd_casadi.messages.feedforward import FeedforwardMessage
 from tsd_casadi.messages.learner import RecordMessage, RecordReply

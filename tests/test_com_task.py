@@ -6,7 +6,7 @@ import pinocchio
 import pytest
 
 from tsd_casadi import Robot
-from tsd_casadi.symbolic_dynamics import SymbolicDynamics
+from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
 from tsd_casadi.tasks.com_task import ComTask
 from tsd_clients.simulator.parity import random_state
 

@@ -13,8 +13,8 @@ from tsd_casadi.constraints.friction import friction
 from tsd_casadi.constraints.joint_acceleration import joint_acceleration
 from tsd_casadi.constraints.joint_torque import joint_torque
 from tsd_casadi.constraints.normal_torque import normal_torque
+from tsd_casadi.constraints.rows import INFINITY, Rows
 from tsd_casadi.constraints.unilateral_force import unilateral_force
-from tsd_casadi.rows import INFINITY, Rows
 
 NV = 8
 # the second of two contacts, so that a wrong column shows

@@ -5,7 +5,7 @@ from .controller import compile_controller as compile_controller
 from .database import Database as Database
 from .exceptions import TsdError as TsdError
 from .feedforward import Feedforward as Feedforward
-from .inverse_dynamics import InverseDynamics as InverseDynamics
+from .formulation.inverse_dynamics import InverseDynamics as InverseDynamics
 from .motions.motion import Motion as Motion
 from .motions.squat import Squat as Squat
 from .periodic_basis import PeriodicBasis as PeriodicBasis

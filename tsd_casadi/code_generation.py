@@ -7,8 +7,8 @@ from collections.abc import Mapping
 
 import casadi as ca
 
-from tsd_casadi.inverse_dynamics import InverseDynamics
-from tsd_casadi.posture import DAMPING
+from tsd_casadi.costs.null_space_posture import DAMPING
+from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
 
 # Bound of a row's violation, measured by DAQP in the metric of the cost, where
 # light weights on forces make a newton small.

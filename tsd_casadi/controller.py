@@ -14,7 +14,7 @@ from tsd_casadi.code_cache import compile_cached
 from tsd_casadi.code_generation import QUATERNION_TOLERANCE, generate_sources
 from tsd_casadi.command import Command
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.inverse_dynamics import InverseDynamics
+from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick import Tick

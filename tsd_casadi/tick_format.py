@@ -6,8 +6,8 @@ import enum
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tsd_casadi.contact import contact_fields
 from tsd_casadi.exceptions import UnknownField
+from tsd_casadi.formulation.contact_fields import contact_fields
 from tsd_casadi.layout import Field, Layout, hash_layouts
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.tasks.task import Task

@@ -10,7 +10,7 @@ from __future__ import annotations
 import casadi as ca
 
 from tsd_casadi.constraints.cone import FZ, MX, MY, Faces, cone_rows
-from tsd_casadi.rows import Rows
+from tsd_casadi.constraints.rows import Rows
 
 
 def center_of_pressure(contact: str, extents: ca.SX, nv: int, selection: ca.SX) -> Rows:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import casadi as ca
 
-from tsd_casadi.rows import INFINITY, Rows
+from tsd_casadi.constraints.rows import INFINITY, Rows
 
 # coefficients of each face by wrench component, by face name
 Faces = Mapping[str, Mapping[int, ca.SX | float]]

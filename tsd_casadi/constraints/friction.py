@@ -11,7 +11,7 @@ import math
 import casadi as ca
 
 from tsd_casadi.constraints.cone import FX, FY, FZ, Faces, cone_rows
-from tsd_casadi.rows import Rows
+from tsd_casadi.constraints.rows import Rows
 
 
 def friction(contact: str, mu: ca.SX, nv: int, selection: ca.SX) -> Rows:

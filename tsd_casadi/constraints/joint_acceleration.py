@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from tsd_casadi.rows import INFINITY, Rows
-from tsd_casadi.unactuated_dynamics import BASE_AXES
+from tsd_casadi.constraints.rows import INFINITY, Rows
+from tsd_casadi.dynamics.unactuated_dynamics import BASE_AXES
 
 
 def joint_acceleration(joints: Sequence[str], limit: ca.SX, nx: int) -> Rows:

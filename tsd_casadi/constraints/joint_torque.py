@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from tsd_casadi.rows import Rows
+from tsd_casadi.constraints.rows import Rows
 
 
 def joint_torque(joints: Sequence[str], A_tau: ca.SX, h_a: ca.SX, limit: ca.SX) -> Rows:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import casadi as ca
 
 from tsd_casadi.constraints.cone import FZ, MZ, Faces, cone_rows
-from tsd_casadi.rows import Rows
+from tsd_casadi.constraints.rows import Rows
 
 
 def normal_torque(contact: str, gamma: ca.SX, nv: int, selection: ca.SX) -> Rows:

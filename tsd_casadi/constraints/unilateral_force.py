@@ -8,7 +8,7 @@ from __future__ import annotations
 import casadi as ca
 
 from tsd_casadi.constraints.cone import FZ
-from tsd_casadi.rows import INFINITY, Rows
+from tsd_casadi.constraints.rows import INFINITY, Rows
 
 
 def unilateral_force(

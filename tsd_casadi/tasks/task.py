@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
 from tsd_casadi.layout import Field
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Vector
-from tsd_casadi.symbolic_dynamics import SymbolicDynamics
 
 Read = Callable[[str], ca.SX]
 

@@ -23,27 +23,31 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from tsd_casadi.actuated_dynamics import actuated_dynamics
 from tsd_casadi.constraints.center_of_pressure import center_of_pressure
+from tsd_casadi.constraints.contact_acceleration import contact_acceleration
 from tsd_casadi.constraints.friction import friction
 from tsd_casadi.constraints.joint_acceleration import joint_acceleration
 from tsd_casadi.constraints.joint_torque import joint_torque
 from tsd_casadi.constraints.normal_torque import normal_torque
+from tsd_casadi.constraints.rows import Rows, stack_rows
 from tsd_casadi.constraints.unilateral_force import unilateral_force
-from tsd_casadi.contact_acceleration import contact_acceleration
-from tsd_casadi.desired_acceleration import desired_acceleration, feedback_acceleration
-from tsd_casadi.force_regularization import force_cost
+from tsd_casadi.costs.force_regularization import force_cost
+from tsd_casadi.costs.null_space_posture import (
+    null_space_projector,
+    posture_acceleration,
+    posture_cost,
+)
+from tsd_casadi.dynamics.actuated_dynamics import actuated_dynamics
+from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
+from tsd_casadi.dynamics.unactuated_dynamics import unactuated_dynamics
+from tsd_casadi.formulation.safe_torque import safe_torque
 from tsd_casadi.layout import Layout
-from tsd_casadi.posture import null_space_projector, posture_acceleration, posture_cost
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.rows import Rows, stack_rows
-from tsd_casadi.safe_torque import safe_torque
 from tsd_casadi.state import Matrix, Vector
-from tsd_casadi.symbolic_dynamics import SymbolicDynamics
+from tsd_casadi.tasks.desired_acceleration import desired_acceleration, feedback_acceleration
 from tsd_casadi.tasks.make_tasks import make_tasks
 from tsd_casadi.tasks.task import Task, symmetric_matrix
 from tsd_casadi.tick_format import request_layout, tick_format
-from tsd_casadi.unactuated_dynamics import unactuated_dynamics
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from tsd_casadi.rows import Rows
+from tsd_casadi.constraints.rows import Rows
 
 BASE_AXES = ("x", "y", "z", "rx", "ry", "rz")
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from tsd_casadi.rows import Rows
-from tsd_casadi.unactuated_dynamics import BASE_AXES
+from tsd_casadi.constraints.rows import Rows
+from tsd_casadi.dynamics.unactuated_dynamics import BASE_AXES
 
 
 def contact_acceleration(
