@@ -22,7 +22,7 @@ from rich.table import Table
 from threadpoolctl import threadpool_limits
 
 from benchmarks.numeric_controller import NumericController
-from tsd_casadi.controller import Controller, compile_controller
+from tsd_casadi.controller.controller import Controller, compile_controller
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.state import State, Vector

@@ -6,17 +6,17 @@ Run: python docs/generate_wire.py
 from pathlib import Path
 
 from tsd_casadi.robot.robot.robot import load_robot
+from tsd_casadi.tick.tick.format import STATUS_MEANING
+from tsd_casadi.tick.tick.layout import Layout
 
 from tsd_casadi import endpoints, keys
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
-from tsd_casadi.layout import Layout
 from tsd_casadi.messages.feedforward import FeedforwardMessage
 from tsd_casadi.messages.learner import RecordMessage, RecordReply
 from tsd_casadi.messages.message import json_schema
 from tsd_casadi.messages.suggestion import SuggestionMessage
 from tsd_casadi.motions.parameter import TASK_PARAMETERS
-from tsd_casadi.tick_format import STATUS_MEANING
 from tsd_casadi.tick_message import HEADER, HEADER_FIELDS
 
 ROBOT = "hermes_lower"

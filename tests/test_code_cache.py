@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from tsd_casadi import code_cache
-from tsd_casadi.code_cache import cache_folder, compile_cached, find_compiler
+from tsd_casadi.compilation import code_cache
+from tsd_casadi.compilation.code_cache import cache_folder, compile_cached, find_compiler
 from tsd_casadi.exceptions import CacheNotPrivate, CompilationFailed, CompilerNotFound
 
 ANSWER = {"answer.c": '#include "answer.h"\nint answer(void) { return ANSWER; }\n'}
@@ -121,7 +121,7 @@ def test_nothing_is_left_but_the_entry(folder: Path) -> None:
 def test_two_processes_may_compile_the_same_at_once(folder: Path) -> None:
     script = """
 import ctypes, sys
-from tsd_casadi.code_cache import compile_cached
+from tsd_casadi.compilation.code_cache import compile_cached
 print("ready", flush=True)
 sys.stdin.readline()
 for answer in range(5):

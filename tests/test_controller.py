@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from tsd_casadi import Command, Controller, Robot, State, Status, Tick
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.layout import Field
+from tsd_casadi.tick.layout import Field
 
 Edit = Callable[[Command], object]
 TIMES = ("data_time", "factorization_time", "solve_time")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tsd_casadi.exceptions import TsdError, UnknownField
-from tsd_casadi.layout import HUGE, Field, Layout, hash_layouts
+from tsd_casadi.tick.layout import HUGE, Field, Layout, hash_layouts
 
 POSE = Field("pose", 7, "m, 1", "a pose", default=(1, 2, 3, 0, 0, 0, 1), unit_quaternion=3)
 GAIN = Field("gain", 2, "1/s", "a gain", lower=0.0, upper=10.0, default=(4.0, 5.0))

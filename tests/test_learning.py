@@ -19,7 +19,7 @@ from tsd_casadi.exceptions import (
 )
 from tsd_casadi.recording import TaskKey
 from tsd_casadi.repetition.learn import record_of
-from tsd_casadi.tick_format import Status
+from tsd_casadi.tick.format import Status
 from tsd_clients import MujocoSimulator, Run, learn
 
 SQUAT = Squat(amplitude=0.01, frequency=1.0)

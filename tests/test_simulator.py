@@ -19,7 +19,7 @@ from tsd_casadi.exceptions import InvalidValue, ParityError, RobotFileError, Sim
 from tsd_casadi.laps import first_steady_lap
 from tsd_casadi.repetition.repetition import EXTRA_LAPS, HOLD, TIMESTEP, Gains
 from tsd_casadi.repetition.run import LOG_UNITS
-from tsd_casadi.tick_format import Status, TickFormat
+from tsd_casadi.tick.format import Status, TickFormat
 from tsd_clients import MujocoSimulator, Run
 from tsd_clients.simulator.disturbances import Disturbance, Push
 from tsd_clients.simulator.hardware import EFFECTS

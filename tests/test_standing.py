@@ -12,9 +12,9 @@ from scipy.linalg import null_space
 from scipy.spatial.transform import Rotation
 
 from tsd_casadi import Controller, InverseDynamics, Robot, Status, load_robot
-from tsd_casadi.command import Command
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.standing import hold, stand
+from tsd_casadi.tick.command import Command
 
 MINI = Path(__file__).parent / "robots" / "mini_biped" / "mini_biped.yaml"
 HERMES = load_robot("hermes_lower")

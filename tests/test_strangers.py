@@ -17,7 +17,7 @@ from tsd_casadi.exceptions import ServiceUnreachable, TwoServices
 from tsd_casadi.keys import info_key, tick_key
 from tsd_casadi.messages.info import InfoMessage
 from tsd_casadi.messages.message import ErrorMessage
-from tsd_casadi.tick_format import TickFormat
+from tsd_casadi.tick.format import TickFormat
 from tsd_casadi.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_server.service_process import ServiceProcess, free_endpoint

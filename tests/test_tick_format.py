@@ -5,7 +5,7 @@ import pytest
 
 from tsd_casadi import InverseDynamics, Robot, Status, Tick, load_robot
 from tsd_casadi.exceptions import UnknownField
-from tsd_casadi.tick_format import STATUS_MEANING, TickFormat
+from tsd_casadi.tick.format import STATUS_MEANING, TickFormat
 
 
 @pytest.fixture(scope="module")

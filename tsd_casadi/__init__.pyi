@@ -1,7 +1,6 @@
-from .command import Command as Command
-from .controller import Controller as Controller
-from .controller import WholeBodyController as WholeBodyController
-from .controller import compile_controller as compile_controller
+from .controller.controller import Controller as Controller
+from .controller.controller import WholeBodyController as WholeBodyController
+from .controller.controller import compile_controller as compile_controller
 from .database import Database as Database
 from .exceptions import TsdError as TsdError
 from .feedforward import Feedforward as Feedforward
@@ -12,6 +11,7 @@ from .periodic_basis import PeriodicBasis as PeriodicBasis
 from .robot.robot import Robot as Robot
 from .robot.robot import load_robot as load_robot
 from .state import State as State
-from .tick import Tick as Tick
-from .tick_format import Status as Status
+from .tick.command import Command as Command
+from .tick.format import Status as Status
+from .tick.tick import Tick as Tick
 from .version import __version__ as __version__

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import zenoh
 
-from tsd_casadi.controller import Controller, compile_controller
+from tsd_casadi.controller.controller import Controller, compile_controller
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
 from tsd_casadi.keys import info_key, tick_key
 from tsd_casadi.messages.info import InfoMessage

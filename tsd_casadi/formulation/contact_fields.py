@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tsd_casadi.layout import Field
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.robot.robot_file import Contact
+from tsd_casadi.tick.layout import Field
 
 
 def contact_fields(contact: Contact, robot: Robot) -> tuple[Field, ...]:

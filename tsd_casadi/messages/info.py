@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from tsd_casadi.exceptions import MalformedMessage
-from tsd_casadi.layout import Field as LayoutField
-from tsd_casadi.layout import Layout
 from tsd_casadi.messages.message import Message
-from tsd_casadi.tick_format import STATUS_MEANING, TickFormat
+from tsd_casadi.tick.format import STATUS_MEANING, TickFormat
+from tsd_casadi.tick.layout import Field as LayoutField
+from tsd_casadi.tick.layout import Layout
 
 
 class FieldMessage(Message):

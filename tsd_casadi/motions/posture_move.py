@@ -13,11 +13,11 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio
 
-from tsd_casadi.command import Command
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.robot.robot_file import FRAME_AXES, ComTaskFile
 from tsd_casadi.robot.standing import hold
 from tsd_casadi.state import State, Vector
+from tsd_casadi.tick.command import Command
 
 # highest accelerations on the way: of the centre of mass [m/s^2], which shifts
 # the centre of pressure by 0.08 s^2 times that, and of any joint [rad/s^2]

@@ -7,12 +7,12 @@ from functools import partial
 
 import numpy as np
 
-from tsd_casadi.command import Command
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.motions.motion import Reference
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
-from tsd_casadi.tick import Tick
+from tsd_casadi.tick.command import Command
+from tsd_casadi.tick.tick import Tick
 
 
 @dataclass(frozen=True)

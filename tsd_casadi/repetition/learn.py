@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 from tsd_casadi.contraction import Contraction
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, SimulationError, TsdError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.laps import Lap, first_steady_lap
@@ -23,7 +23,7 @@ from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.robot.standing import hold
-from tsd_casadi.tick_format import Status
+from tsd_casadi.tick.format import Status
 from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
 
 HOLD = 1.0  # s

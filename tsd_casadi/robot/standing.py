@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 import pinocchio
 
-from tsd_casadi.command import Command
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.robot.robot_file import ComTaskFile
 from tsd_casadi.state import Matrix, State, Vector
+from tsd_casadi.tick.command import Command
 
 # alpha: larger steps overshoot where the knees are nearly straight
 HOMING = 0.3

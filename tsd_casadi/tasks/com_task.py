@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
-from tsd_casadi.layout import Field
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.tasks.task import Read, Task, TaskTerms
+from tsd_casadi.tick.layout import Field
 
 
 class ComTask(Task):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import casadi as ca
 
 from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
-from tsd_casadi.layout import Field
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.robot.robot_file import FRAME_AXES
 from tsd_casadi.tasks.task import Read, Task, TaskTerms
+from tsd_casadi.tick.layout import Field
 
 
 class FrameTask(Task):

@@ -15,9 +15,9 @@ import casadi as ca
 import numpy as np
 
 from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
-from tsd_casadi.layout import Field
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Vector
+from tsd_casadi.tick.layout import Field
 
 Read = Callable[[str], ca.SX]
 

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
-from tsd_casadi.controller import WholeBodyController, compile_controller
+from tsd_casadi.controller.controller import WholeBodyController, compile_controller
 from tsd_casadi.endpoints import CONTROLLER, LEARNER
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.motions.motion import Motion

@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion

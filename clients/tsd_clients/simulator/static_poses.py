@@ -16,13 +16,13 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.center_of_mass_fit import StaticPose
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import SimulationError
 from tsd_casadi.motions.posture_move import Way, duration_of, short_way
 from tsd_casadi.repetition.repetition import FALL_HEIGHT, Progress
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
-from tsd_casadi.tick_format import Status
+from tsd_casadi.tick.format import Status
 from tsd_clients.pose_design import design_poses
 from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
 from tsd_clients.simulator.simulator import MujocoSimulator

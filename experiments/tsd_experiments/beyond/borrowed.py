@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.harmonics import sample_phases
 from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from tsd_casadi.center_of_mass_fit import NOISE, fit_correction
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.simulator.static_poses import collect, with_noise
 from tsd_experiments.beyond.center_of_mass_study import assess, by_poses_and_noise, learn_with

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tsd_casadi.controller import compile_controller
+from tsd_casadi.controller.controller import compile_controller
 from tsd_casadi.database import Database
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.feedforward import Feedforward

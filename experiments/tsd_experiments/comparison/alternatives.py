@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.repetition import Gains

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.compensator import Correction

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.repetition.repetition import HOLD
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from tsd_casadi.contraction import Contraction
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.database import Database
 from tsd_casadi.feedforward import Feedforward, Kind
 from tsd_casadi.motions.squat import Squat

@@ -19,7 +19,7 @@ from zipfile import BadZipFile
 import mujoco
 import numpy as np
 
-from tsd_casadi.controller import Controller, compile_controller
+from tsd_casadi.controller.controller import Controller, compile_controller
 from tsd_casadi.exceptions import SimulationError, TsdError
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_casadi.state import Vector

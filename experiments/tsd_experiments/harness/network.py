@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.feedforward import Feedforward
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.run import Run

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.repetition.learn import Learner
 from tsd_casadi.robot.robot import Robot
 from tsd_experiments.harness.case import Case, Outcome, learn_case, replay_case

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib import pyplot as plt
 
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_clients.simulator.mujoco_plant import TIMESTEP
 from tsd_clients.viewer.rendering import HINT, Pictures, animate, render_postures

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.repetition.compensator import Correction, Moment, Setting
 from tsd_casadi.repetition.repetition import HOLD
 from tsd_casadi.repetition.run import Run

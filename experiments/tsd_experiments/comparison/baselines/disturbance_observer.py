@@ -25,7 +25,7 @@ import math
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.repetition.compensator import Correction, Moment, Setting
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.tick_format import Status
+from tsd_casadi.tick.format import Status
 
 LIMIT = 5.0  # m/s^2, half of gravity
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.repetition.compensator import Correction, Moment, Setting
-from tsd_casadi.tick_format import Status
+from tsd_casadi.tick.format import Status
 
 # of the Routh limit P D: three equal poles where D^2 = 3 P, a damping ratio of
 # 0.74 where D = 2 sqrt(P)

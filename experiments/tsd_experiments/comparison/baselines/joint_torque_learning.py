@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tsd_casadi.controller import WholeBodyController
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.generalization import WeightRegression
 from tsd_casadi.motions.motion import Motion

@@ -10,15 +10,15 @@ from typing import Protocol
 
 import numpy as np
 
-from tsd_casadi.code_cache import compile_cached
-from tsd_casadi.code_generation import QUATERNION_TOLERANCE, generate_sources
-from tsd_casadi.command import Command
+from tsd_casadi.compilation.code_cache import compile_cached
+from tsd_casadi.compilation.code_generation import QUATERNION_TOLERANCE, generate_sources
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
-from tsd_casadi.tick import Tick
-from tsd_casadi.tick_format import TickFormat
+from tsd_casadi.tick.command import Command
+from tsd_casadi.tick.format import TickFormat
+from tsd_casadi.tick.tick import Tick
 from tsd_clients.console.progress import show_activity
 
 _Doubles = ctypes.POINTER(ctypes.c_double)

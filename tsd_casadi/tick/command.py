@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.layout import Layout
 from tsd_casadi.state import State, Vector
+from tsd_casadi.tick.layout import Layout
 
 
 class Command:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from tsd_casadi.exceptions import UnknownField
 from tsd_casadi.formulation.contact_fields import contact_fields
-from tsd_casadi.layout import Field, Layout, hash_layouts
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.tasks.task import Task
+from tsd_casadi.tick.layout import Field, Layout, hash_layouts
 
 
 class Status(enum.IntEnum):

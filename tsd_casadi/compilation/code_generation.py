@@ -37,7 +37,7 @@ def generate_sources(problem: InverseDynamics) -> dict[str, str]:
     generator = ca.CodeGenerator("problem.c", {"with_header": False})
     generator.add(problem.terms)
     generator.add(problem.safe_torque)
-    native = importlib.resources.files("tsd_casadi").joinpath("native")
+    native = importlib.resources.files("tsd_casadi.compilation").joinpath("native")
     return {
         "problem.c": generator.dump(),
         "problem.h": _header(problem),

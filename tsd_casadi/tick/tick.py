@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tsd_casadi.state import Vector
-from tsd_casadi.tick_format import Status, TickFormat
+from tsd_casadi.tick.format import Status, TickFormat
 
 
 @dataclass(frozen=True)
