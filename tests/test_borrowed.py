@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib import pyplot as plt
 
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.repetition.repetition import HOLD
 from tsd_experiments.beyond.borrowed import Borrowed, Verdict, shift_by_half_a_lap
 from tsd_experiments.harness.experiment import Experiment

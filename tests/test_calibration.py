@@ -8,8 +8,13 @@ from scipy.stats import norm
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
-from tsd_casadi.calibration import deviation_scale, lap, leave_one_out, student_factor
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.generalization.predictive_deviation import (
+    deviation_scale,
+    lap,
+    leave_one_out,
+    student_factor,
+)
 
 BASIS = PeriodicBasis()
 

@@ -6,9 +6,9 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from tsd_casadi.contraction import Contraction
-from tsd_casadi.learning_filter import design_filter
-from tsd_casadi.loop_response import LoopResponse
+from tsd_casadi.learning.contraction import Contraction
+from tsd_casadi.learning.learning_filter import design_filter
+from tsd_casadi.learning.loop_response import LoopResponse
 
 RESPONSE = LoopResponse(0.95, 0.03, 0.05, 0.012)
 OMEGA = 2 * np.pi * np.arange(13.0)

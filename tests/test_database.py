@@ -19,10 +19,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import tsd_casadi.database
-from tsd_casadi.database import Database
-from tsd_casadi.database_schema import APPLICATION_ID, SCHEMA, SCHEMA_VERSION
-from tsd_casadi.entry import Entry
+import tsd_casadi.database.database
+from tsd_casadi.database.database import Database
+from tsd_casadi.database.schema import APPLICATION_ID, SCHEMA, SCHEMA_VERSION
+from tsd_casadi.encoding.laps import Lap
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import (
     DatabaseError,
     EntryNotFound,
@@ -31,10 +32,9 @@ from tsd_casadi.exceptions import (
     OutsideTrainedRange,
     TsdError,
 )
-from tsd_casadi.generalization import WeightRegression
-from tsd_casadi.laps import Lap
-from tsd_casadi.periodic_basis import PeriodicBasis
-from tsd_casadi.recording import Context, Recording, TaskKey
+from tsd_casadi.generalization.weight_regression import WeightRegression
+from tsd_casadi.learning.entry import Entry
+from tsd_casadi.learning.recording import Context, Recording, TaskKey
 
 BASIS = PeriodicBasis()
 CONTEXT = Context("00ff", "abcd", {"P": [50.0], "D": [14.0]}, "0.1.0")
@@ -117,7 +117,7 @@ def trained(trained_path: Path) -> Any:
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Locks are waited for 50 ms instead of 5 s."""
     monkeypatch.setattr(
-        tsd_casadi.database.sqlite3, "connect", partial(sqlite3.connect, timeout=0.05)
+        tsd_casadi.database.database.sqlite3, "connect", partial(sqlite3.connect, timeout=0.05)
     )
 
 
@@ -1137,7 +1137,7 @@ def test_places_are_known_again_however_many_digits_they_have(
 def test_a_region_without_a_free_place_is_refused(
     database: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tsd_casadi.suggestion.FINEST_GRID", 3)
+    monkeypatch.setattr("tsd_casadi.generalization.suggestion.FINEST_GRID", 3)
     learn_at(database, [(a, 0.25) for a in (0.02, 0.05, 0.08)])
     with pytest.raises(EntryNotFound, match="every place"):
         database.suggest("squat", region={"amplitude": (0.02, 0.08)}, frequency=0.25)

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tsd_casadi.entry import Entry, Iteration
+from tsd_casadi.encoding.laps import Lap
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import IncompatibleEntry
-from tsd_casadi.laps import Lap
-from tsd_casadi.periodic_basis import PeriodicBasis
-from tsd_casadi.recording import Context, Recording, TaskKey
+from tsd_casadi.learning.entry import Entry, Iteration
+from tsd_casadi.learning.recording import Context, Recording, TaskKey
 
 BASIS = PeriodicBasis()
 KEY = TaskKey.of("hermes_lower", "squat", ("com.z",), {"amplitude": 0.03, "frequency": 0.25})

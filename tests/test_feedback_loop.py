@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.feedback_loop import find_loop, require_loop
+from tsd_casadi.learning.feedback_loop import find_loop, require_loop
 
 AXES = ("com.x", "com.z")
 GAINS = {"P": [50.0, 20.0], "D": [14.0, 0.0], "W": [1.0]}

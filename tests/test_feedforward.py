@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.learning.feedforward import Feedforward
 
 BASIS = PeriodicBasis()
 AXES = ("com.x", "com.z")

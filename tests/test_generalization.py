@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.interpolate import LinearNDInterpolator
 
-from tsd_casadi.calibration import student_factor
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
-from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.generalization import WeightRegression
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.generalization.predictive_deviation import student_factor
+from tsd_casadi.generalization.weight_regression import WeightRegression
+from tsd_casadi.learning.feedforward import Feedforward
 
 AMPLITUDES = (0.02, 0.04, 0.06, 0.08)
 FREQUENCIES = (0.2, 0.4, 0.6)

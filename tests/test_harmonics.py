@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tsd_casadi.harmonics import (
+from tsd_casadi.encoding.harmonics import (
     SAMPLES,
     analyse,
     highest_harmonic,
@@ -14,7 +14,7 @@ from tsd_casadi.harmonics import (
     to_harmonics,
     to_weights,
 )
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 
 BASIS = PeriodicBasis()
 

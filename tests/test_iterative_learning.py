@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tsd_casadi.iterative_learning import update_weights
-from tsd_casadi.laps import Lap
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.laps import Lap
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.learning.iterative_learning import update_weights
 
 BASIS = PeriodicBasis()
 PHASE = np.pi + np.linspace(0, 2 * np.pi, 200, endpoint=False)

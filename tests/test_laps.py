@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tsd_casadi.laps import (
+from tsd_casadi.encoding.laps import (
     ABSOLUTE_TOLERANCE,
     RELATIVE_TOLERANCE,
     Lap,

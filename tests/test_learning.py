@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from tsd_casadi import Command, Controller, Database, Robot, Squat, State, Tick
-from tsd_casadi.entry import Entry
 from tsd_casadi.exceptions import (
     DatabaseError,
     EntryNotFound,
@@ -17,7 +16,8 @@ from tsd_casadi.exceptions import (
     SimulationError,
     TsdError,
 )
-from tsd_casadi.recording import TaskKey
+from tsd_casadi.learning.entry import Entry
+from tsd_casadi.learning.recording import TaskKey
 from tsd_casadi.repetition.learn import record_of
 from tsd_casadi.tick.format import Status
 from tsd_clients import MujocoSimulator, Run, learn

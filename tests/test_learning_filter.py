@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tsd_casadi.learning_filter import CAUTION, LARGEST_CONTRACTION, design_filter
-from tsd_casadi.loop_response import LoopResponse
+from tsd_casadi.learning.learning_filter import CAUTION, LARGEST_CONTRACTION, design_filter
+from tsd_casadi.learning.loop_response import LoopResponse
 
 P, D = 50.0, 14.0
 HARMONIC = np.arange(13.0)

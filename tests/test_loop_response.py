@@ -6,7 +6,7 @@ import scipy.signal
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tsd_casadi.loop_response import LoopResponse, estimate_response
+from tsd_casadi.learning.loop_response import LoopResponse, estimate_response
 
 P, D = 50.0, 14.0
 OMEGA = 2 * np.pi * np.arange(13.0)

@@ -11,10 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tsd_casadi import Controller
-from tsd_casadi.entry import Entry
+from tsd_casadi.encoding.laps import Lap
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue, MalformedMessage
-from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.laps import Lap
+from tsd_casadi.generalization.suggestion import Suggestion
+from tsd_casadi.learning.entry import Entry
+from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.learning.recording import Context, Recording, TaskKey
 from tsd_casadi.messages.center_of_mass import CenterOfMassMessage
 from tsd_casadi.messages.feedforward import BasisMessage, FeedforwardMessage, QuantityMessage
 from tsd_casadi.messages.info import FieldMessage, InfoMessage
@@ -28,9 +31,6 @@ from tsd_casadi.messages.learner import (
 )
 from tsd_casadi.messages.message import ErrorMessage, Message, json_schema
 from tsd_casadi.messages.suggestion import SuggestionMessage
-from tsd_casadi.periodic_basis import PeriodicBasis
-from tsd_casadi.recording import Context, Recording, TaskKey
-from tsd_casadi.suggestion import Suggestion
 
 KEY = TaskKey.of("hermes_lower", "squat", ("com.z",), {"amplitude": 0.03, "frequency": 0.25})
 CONTEXT = Context("00ff", "abcd", {"P": [50.0], "D": [14.0]}, "0.1.0")

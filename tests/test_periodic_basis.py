@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tsd_casadi.encoding.periodic_basis import RIDGE, PeriodicBasis
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.periodic_basis import RIDGE, PeriodicBasis
 
 PHASES = st.floats(-100.0, 100.0)
 SIZES = st.integers(1, 60)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tsd_casadi.phase_oscillator import PhaseOscillator
+from tsd_casadi.encoding.phase_oscillator import PhaseOscillator
 
 DT = 1e-3
 

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tsd_casadi.encoding.laps import Lap
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.laps import Lap
-from tsd_casadi.periodic_basis import PeriodicBasis
-from tsd_casadi.recording import Context, Recording, TaskKey
+from tsd_casadi.learning.recording import Context, Recording, TaskKey
 
 BASIS = PeriodicBasis()
 PHASE = np.linspace(0, 2 * np.pi, 100, endpoint=False)

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tsd_casadi.generalization import WeightRegression
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_experiments.beyond.parameter_grid import LEARNED
 from tsd_experiments.harness.experiment import Goal
 from tsd_experiments.run import EXPERIMENTS

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tsd_casadi import Feedforward, PeriodicBasis, Squat
-from tsd_casadi.laps import Lap
+from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.repetition.run import LOG_UNITS, Run
 
 ERRORS = st.lists(st.floats(-0.1, 0.1), min_size=1, max_size=50)

@@ -15,8 +15,8 @@ import pytest
 import tsd_casadi.repetition.repetition
 from tsd_casadi import Command, Controller, Feedforward, PeriodicBasis, Robot, Squat, State, Tick
 from tsd_casadi import load_robot as load
+from tsd_casadi.encoding.laps import first_steady_lap
 from tsd_casadi.exceptions import InvalidValue, ParityError, RobotFileError, SimulationError
-from tsd_casadi.laps import first_steady_lap
 from tsd_casadi.repetition.repetition import EXTRA_LAPS, HOLD, TIMESTEP, Gains
 from tsd_casadi.repetition.run import LOG_UNITS
 from tsd_casadi.tick.format import Status, TickFormat

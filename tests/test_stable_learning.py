@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from tsd_casadi.entry import Entry
-from tsd_casadi.harmonics import to_harmonics, to_weights
-from tsd_casadi.iterative_learning import Trial, update_stably, update_weights
-from tsd_casadi.laps import Lap
-from tsd_casadi.loop_response import estimate_response
-from tsd_casadi.periodic_basis import PeriodicBasis
-from tsd_casadi.recording import Context, Recording, Rule, TaskKey
+from tsd_casadi.encoding.harmonics import to_harmonics, to_weights
+from tsd_casadi.encoding.laps import Lap
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.learning.entry import Entry
+from tsd_casadi.learning.iterative_learning import Trial, update_stably, update_weights
+from tsd_casadi.learning.loop_response import estimate_response
+from tsd_casadi.learning.recording import Context, Recording, Rule, TaskKey
 
 BASIS = PeriodicBasis()
 NOTHING = np.zeros((1, BASIS.L))

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tsd_casadi.harmonics import sample_phases
-from tsd_casadi.task_dynamics import shift_to_reference
+from tsd_casadi.encoding.harmonics import sample_phases
+from tsd_casadi.learning.task_dynamics import shift_to_reference
 
 PHI = sample_phases()
 REFERENCE = 0.05 * np.sin(PHI)

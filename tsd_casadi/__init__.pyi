@@ -1,13 +1,13 @@
 from .controller.controller import Controller as Controller
 from .controller.controller import WholeBodyController as WholeBodyController
 from .controller.controller import compile_controller as compile_controller
-from .database import Database as Database
+from .database.database import Database as Database
+from .encoding.periodic_basis import PeriodicBasis as PeriodicBasis
 from .exceptions import TsdError as TsdError
-from .feedforward import Feedforward as Feedforward
 from .formulation.inverse_dynamics import InverseDynamics as InverseDynamics
+from .learning.feedforward import Feedforward as Feedforward
 from .motions.motion import Motion as Motion
 from .motions.squat import Squat as Squat
-from .periodic_basis import PeriodicBasis as PeriodicBasis
 from .robot.robot import Robot as Robot
 from .robot.robot import load_robot as load_robot
 from .state import State as State

@@ -15,7 +15,7 @@ from time import monotonic
 from typing import Any
 
 from tsd_casadi.exceptions import TsdError
-from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.repetition import Gains

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import zenoh
 
-from tsd_casadi.database import Database
+from tsd_casadi.database.database import Database
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
 from tsd_casadi.keys import (
     ANY_ROBOT,

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
-from tsd_casadi.contraction import Contraction
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, SimulationError, TsdError
-from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.learning.contraction import Contraction
+from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.learning.recording import Context, Recording, Rule, TaskKey
 from tsd_casadi.motions.motion import Motion
-from tsd_casadi.recording import Context, Recording, Rule, TaskKey
 from tsd_casadi.repetition.compensator import Correction
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.repetition import Gains, Progress
@@ -85,7 +85,7 @@ def learn(
         first: Feedforward to start a motion from of which nothing is known,
             for instance that of an easier one; it is dropped if it harms.
         restart: Forget what was learned of each motion first.
-        rule: See ``tsd_casadi.recording.Recording``.
+        rule: See ``tsd_casadi.learning.recording.Recording``.
         laps: Least number of laps of each run.
         gains: Factors on the learned task's gains.
         corrections: What else changes commands and torques.

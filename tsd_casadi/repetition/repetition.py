@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from tsd_casadi.controller.controller import WholeBodyController
+from tsd_casadi.encoding.laps import Lap, first_steady_lap
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.phase_oscillator import PhaseOscillator
 from tsd_casadi.exceptions import InvalidValue, SimulationError
-from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.laps import Lap, first_steady_lap
+from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion, Reference
-from tsd_casadi.periodic_basis import PeriodicBasis
-from tsd_casadi.phase_oscillator import PhaseOscillator
 from tsd_casadi.repetition.compensator import Correction, Moment, Setting
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.run import Run

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.laps import Lap
+from tsd_casadi.encoding.laps import Lap
+from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.state import Vector
 

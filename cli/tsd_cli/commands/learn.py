@@ -9,10 +9,10 @@ from typing import Annotated, Any
 
 import typer
 
-from tsd_casadi.contraction import Contraction
 from tsd_casadi.endpoints import LEARNER
 from tsd_casadi.exceptions import InvalidValue, TsdError
-from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.learning.contraction import Contraction
+from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.learn import learn as learn_motions
 from tsd_casadi.repetition.repetition import Gains

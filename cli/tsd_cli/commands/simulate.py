@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from tsd_casadi.endpoints import LEARNER
-from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.repetition import Gains

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from tsd_casadi.contraction import Contraction
+from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.messages.learner import DatabaseReply, EntryMessage
 from tsd_casadi.motions.parameter import unit_of
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tsd_casadi.endpoints import LEARNER
-from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.generalization.suggestion import Region, Suggestion
 from tsd_casadi.keys import ANY_ROBOT, database_key, feedforward_key, record_key, suggestion_key
+from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.learning.recording import Recording
 from tsd_casadi.messages.feedforward import FeedforwardMessage
 from tsd_casadi.messages.learner import DatabaseReply, EntryMessage, RecordMessage, RecordReply
 from tsd_casadi.messages.suggestion import SuggestionMessage
-from tsd_casadi.recording import Recording
-from tsd_casadi.suggestion import Region, Suggestion
 from tsd_clients.remote.session import Session
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
-from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.compensator import Correction
 from tsd_casadi.repetition.repetition import Gains, Progress, Repetition

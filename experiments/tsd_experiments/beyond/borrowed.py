@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.harmonics import sample_phases
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.harmonics import sample_phases
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.repetition import HOLD
 from tsd_casadi.robot.robot import Robot

@@ -13,7 +13,7 @@ import numpy as np
 from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
 from tsd_casadi.center_of_mass_fit import MassPrior, StaticPose, fit_correction, prior_correction
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.database import Database
+from tsd_casadi.database.database import Database
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
 from tsd_casadi.repetition.learn import learn

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator
 
-from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.generalization import NOISE, WeightRegression
-from tsd_casadi.harmonics import sample_phases
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.harmonics import sample_phases
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.generalization.weight_regression import NOISE, WeightRegression
+from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.state import Matrix, Vector
 from tsd_experiments.harness.case import Case
 from tsd_experiments.harness.experiment import (

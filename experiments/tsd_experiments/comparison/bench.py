@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.compensator import Correction
 from tsd_casadi.repetition.repetition import Gains

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from tsd_casadi.generalization import WeightRegression
+from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.motions.motion import Motion
 from tsd_experiments.comparison.alternative_methods import learn_task, learn_torque
 from tsd_experiments.comparison.baselines.joint_torque_learning import (

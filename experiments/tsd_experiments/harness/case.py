@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from tsd_casadi.contraction import Contraction
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.database import Database
-from tsd_casadi.feedforward import Feedforward, Kind
+from tsd_casadi.database.database import Database
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.learning.contraction import Contraction
+from tsd_casadi.learning.feedforward import Feedforward, Kind
+from tsd_casadi.learning.recording import Rule
 from tsd_casadi.motions.squat import Squat
-from tsd_casadi.periodic_basis import PeriodicBasis
-from tsd_casadi.recording import Rule
 from tsd_casadi.repetition.compensator import Correction
 from tsd_casadi.repetition.learn import Learner, learn
 from tsd_casadi.repetition.repetition import Gains

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from tsd_casadi.generalization import WeightRegression
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_experiments.harness.case import Case
 from tsd_experiments.harness.experiment import (
     Done,

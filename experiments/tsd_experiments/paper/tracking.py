@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_experiments.harness.case import Case
 from tsd_experiments.harness.experiment import (
     Done,

@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tsd_casadi.controller.controller import WholeBodyController
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import InvalidValue, SimulationError
-from tsd_casadi.generalization import WeightRegression
+from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.motions.motion import Motion
-from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.repetition.compensator import Correction, Moment, Setting
 from tsd_casadi.repetition.repetition import Gains
 from tsd_casadi.repetition.run import Run

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tsd_casadi.harmonics import (
+from tsd_casadi.encoding.harmonics import (
     Harmonics,
     analyse,
     highest_harmonic,
@@ -33,12 +33,12 @@ from tsd_casadi.harmonics import (
     to_harmonics,
     to_weights,
 )
-from tsd_casadi.laps import Lap, join_laps
-from tsd_casadi.learning_filter import LearningFilter, design_filter
-from tsd_casadi.loop_response import estimate_response
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.laps import Lap, join_laps
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.learning.learning_filter import LearningFilter, design_filter
+from tsd_casadi.learning.loop_response import estimate_response
+from tsd_casadi.learning.task_dynamics import shift_to_reference
 from tsd_casadi.state import Matrix, Vector
-from tsd_casadi.task_dynamics import shift_to_reference
 
 # older repetitions say little about where the robot is now; on the response all
 # count, since those that hardly change any more say nothing about it

@@ -23,8 +23,8 @@ from itertools import product
 
 import numpy as np
 
-from tsd_casadi.harmonics import Harmonics
-from tsd_casadi.loop_response import LoopResponse
+from tsd_casadi.encoding.harmonics import Harmonics
+from tsd_casadi.learning.loop_response import LoopResponse
 from tsd_casadi.state import Vector
 
 LARGEST_CONTRACTION = 0.9

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares, minimize_scalar
 
-from tsd_casadi.harmonics import Harmonics
+from tsd_casadi.encoding.harmonics import Harmonics
 from tsd_casadi.state import Vector
 
 # what is known before anything was recorded: a model right within some ten per

@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import norm, t
 
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix, Vector
 
 # weight of the mean over the lap in the scale at one phase, counted in entries

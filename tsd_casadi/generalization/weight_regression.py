@@ -17,10 +17,15 @@ from typing import Any
 
 import numpy as np
 
-from tsd_casadi.calibration import deviation_scale, lap, leave_one_out, student_factor
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
+from tsd_casadi.generalization.predictive_deviation import (
+    deviation_scale,
+    lap,
+    leave_one_out,
+    student_factor,
+)
 from tsd_casadi.motions.parameter import unit_of
-from tsd_casadi.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix, Vector
 
 # noise of learned weights, as a share of their variance: the most by which learning

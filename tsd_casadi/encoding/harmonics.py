@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix, Vector
 
 Harmonics = NDArray[np.complex128]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tsd_casadi.learning_filter import LearningFilter
+from tsd_casadi.learning.learning_filter import LearningFilter
 from tsd_casadi.state import Vector
 
 Shares = tuple[float | None, ...]

@@ -14,15 +14,19 @@ from typing import Any
 import numpy as np
 import platformdirs
 
-from tsd_casadi.database_schema import prepare
-from tsd_casadi.entry import Entry, Iteration
-from tsd_casadi.entry_regression import EntryRegressions, describe_entries, describe_task
+from tsd_casadi.database.schema import prepare
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import DatabaseError, EntryNotFound, InvalidValue
-from tsd_casadi.feedforward import Feedforward
+from tsd_casadi.generalization.entry_regression import (
+    EntryRegressions,
+    describe_entries,
+    describe_task,
+)
+from tsd_casadi.generalization.suggestion import Region, Suggestion, suggest
+from tsd_casadi.learning.entry import Entry, Iteration
+from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.learning.recording import Context, Recording, TaskKey
 from tsd_casadi.motions.parameter import complete_parameters
-from tsd_casadi.periodic_basis import PeriodicBasis
-from tsd_casadi.recording import Context, Recording, TaskKey
-from tsd_casadi.suggestion import Region, Suggestion, suggest
 
 # what a test leaves in its iteration, as weights
 FITTED = ("feedback", "error_weights", "reference_weights")

@@ -7,10 +7,10 @@ from typing import Any, Literal
 
 import numpy as np
 
+from tsd_casadi.encoding.laps import Lap, join_positions
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.feedback_loop import require_loop
-from tsd_casadi.laps import Lap, join_positions
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.learning.feedback_loop import require_loop
 from tsd_casadi.state import Matrix
 
 Rule = Literal["guarded", "plain", "stable"]

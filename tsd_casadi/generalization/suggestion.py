@@ -8,9 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tsd_casadi.entry import Entry
-from tsd_casadi.entry_regression import EntryRegressions, is_learned, varied_parameters
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue
+from tsd_casadi.generalization.entry_regression import (
+    EntryRegressions,
+    is_learned,
+    varied_parameters,
+)
+from tsd_casadi.learning.entry import Entry
 from tsd_casadi.motions.parameter import complete_parameters
 from tsd_casadi.state import Matrix, Vector
 

@@ -6,12 +6,12 @@ from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
 
-from tsd_casadi.entry import Entry
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import EntryNotFound
-from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.generalization import WeightRegression
+from tsd_casadi.generalization.weight_regression import WeightRegression
+from tsd_casadi.learning.entry import Entry
+from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.parameter import unit_of
-from tsd_casadi.periodic_basis import PeriodicBasis
 
 MINIMUM_ENTRIES = 2
 # fits that are kept, one per group of entries

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tsd_casadi.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix
 
 Kind = Literal["learned", "generalised", "constant", "nearest", "none"]

@@ -7,22 +7,22 @@ from typing import Any
 
 import numpy as np
 
-from tsd_casadi.contraction import Contraction
+from tsd_casadi.encoding.harmonics import highest_harmonic, to_harmonics
+from tsd_casadi.encoding.laps import join_laps, join_positions
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import IncompatibleEntry
-from tsd_casadi.feedback_loop import FeedbackLoop, find_loop, require_loop
-from tsd_casadi.feedforward import Feedforward
-from tsd_casadi.harmonics import highest_harmonic, to_harmonics
-from tsd_casadi.iterative_learning import (
+from tsd_casadi.learning.contraction import Contraction
+from tsd_casadi.learning.feedback_loop import FeedbackLoop, find_loop, require_loop
+from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.learning.iterative_learning import (
     Trial,
     angular_frequencies,
     design_filters,
     update_stably,
     update_weights,
 )
-from tsd_casadi.laps import join_laps, join_positions
-from tsd_casadi.learning_filter import LearningFilter
-from tsd_casadi.periodic_basis import PeriodicBasis
-from tsd_casadi.recording import Context, Recording, Rule, TaskKey
+from tsd_casadi.learning.learning_filter import LearningFilter
+from tsd_casadi.learning.recording import Context, Recording, Rule, TaskKey
 from tsd_casadi.state import Matrix, Vector
 
 SAME_WEIGHTS = 1e-12  # m/s^2
