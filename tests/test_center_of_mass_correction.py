@@ -12,16 +12,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tsd_casadi import Robot, load_robot
-from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
-from tsd_casadi.center_of_mass_fit import (
+from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
+from tsd_casadi.center_of_mass.fit import (
     MassPrior,
     StaticPose,
     fit_correction,
     prior_correction,
 )
+from tsd_casadi.center_of_mass.static_chain import StaticChain
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
 from tsd_casadi.state import Vector
-from tsd_casadi.static_chain import StaticChain
 
 seeds = st.integers(0, 10_000)
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from tsd_casadi import Controller, Database, Robot, Squat, load_robot
-from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
-from tsd_casadi.center_of_mass_fit import StaticPose, fit_correction, prior_correction
+from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
+from tsd_casadi.center_of_mass.fit import StaticPose, fit_correction, prior_correction
+from tsd_casadi.center_of_mass.pose_design import design_poses
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
 from tsd_clients import ModelError, MujocoSimulator, learn
-from tsd_clients.pose_design import design_poses
 from tsd_clients.simulator.static_poses import true_center_of_mass, with_noise
 
 SQUAT = Squat(0.02, 1.0)

@@ -9,7 +9,7 @@ import pytest
 
 from tsd_casadi import Controller, Robot, Squat, load_robot
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.identification import (
+from tsd_casadi.identification.inertias import (
     Observations,
     free_motions,
     friction_rows,
@@ -18,7 +18,7 @@ from tsd_casadi.identification import (
     inertial_rows,
     nominal_parameters,
 )
-from tsd_casadi.physical_consistency import pseudo_inertia
+from tsd_casadi.identification.physical_consistency import pseudo_inertia
 from tsd_clients import MujocoSimulator
 from tsd_experiments.comparison.baselines.friction_feedforward import FrictionFeedforward
 from tsd_experiments.comparison.baselines.motion_recorder import MotionRecorder, observe

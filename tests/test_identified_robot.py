@@ -10,7 +10,7 @@ import pytest
 
 from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import RobotFileError
-from tsd_casadi.identified_robot import write_robot
+from tsd_casadi.identification.identified_robot import write_robot
 
 
 def random_inertias(robot: Robot) -> list[pinocchio.Inertia]:
@@ -52,7 +52,7 @@ def test_its_own_inertias_make_the_same_robot(robot: Robot, tmp_path: Path) -> N
 def test_links_on_fixed_joints_are_part_of_their_body(
     write_robot: Callable[..., Path], tmp_path: Path
 ) -> None:
-    from tsd_casadi.identified_robot import write_robot as write
+    from tsd_casadi.identification.identified_robot import write_robot as write
 
     load = (
         '<link name="load"><inertial><origin xyz="0.1 0 0"/><mass value="3"/><inertia ixx="0.1" '
@@ -72,7 +72,7 @@ def test_links_on_fixed_joints_are_part_of_their_body(
 def test_a_urdf_elsewhere_is_refused_and_not_touched(
     robot: Robot, write_robot: Callable[..., Path], tmp_path: Path, way: str
 ) -> None:
-    from tsd_casadi.identified_robot import write_robot as write
+    from tsd_casadi.identification.identified_robot import write_robot as write
 
     path = write_robot()
     moved = tmp_path / "elsewhere.urdf"

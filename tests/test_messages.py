@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tsd_casadi import Controller
+from tsd_casadi.center_of_mass.correction_file import CenterOfMassMessage
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue, MalformedMessage
@@ -18,7 +19,6 @@ from tsd_casadi.generalization.suggestion import Suggestion
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.recording import Context, Recording, TaskKey
-from tsd_casadi.messages.center_of_mass import CenterOfMassMessage
 from tsd_casadi.messages.feedforward import BasisMessage, FeedforwardMessage, QuantityMessage
 from tsd_casadi.messages.info import FieldMessage, InfoMessage
 from tsd_casadi.messages.learner import (

@@ -6,7 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from tsd_casadi.physical_consistency import PARAMETERS, body, minimise, pseudo_inertia, scalar
+from tsd_casadi.identification.physical_consistency import (
+    PARAMETERS,
+    body,
+    minimise,
+    pseudo_inertia,
+    scalar,
+)
 
 
 def random_body(seed: int) -> np.ndarray:

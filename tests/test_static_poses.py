@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from tsd_casadi import Controller, Robot, State
-from tsd_casadi.center_of_mass_fit import StaticPose, fit_correction
+from tsd_casadi.center_of_mass.fit import StaticPose, fit_correction
+from tsd_casadi.center_of_mass.pose_design import design_poses
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_clients import ModelError, MujocoSimulator
-from tsd_clients.pose_design import design_poses
 from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
 from tsd_clients.simulator.static_poses import collect, true_center_of_mass, with_noise
 from tsd_experiments.beyond.center_of_mass_study import assess, by_poses_and_noise

@@ -8,7 +8,7 @@ sees the error of the corrected centre of mass.
 
 from __future__ import annotations
 
-from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
+from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.repetition.compensator import Correction, Moment, Setting
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from tsd_casadi.center_of_mass_fit import NOISE, MassPrior, fit_correction
+from tsd_casadi.center_of_mass.fit import NOISE, MassPrior, fit_correction
 from tsd_casadi.robot.robot import load_robot
 from tsd_cli.commands.options import (
     ROBOT,

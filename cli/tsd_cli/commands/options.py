@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
+from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
 from tsd_casadi.controller.controller import WholeBodyController, compile_controller
 from tsd_casadi.endpoints import CONTROLLER, LEARNER
 from tsd_casadi.exceptions import InvalidValue, SimulationError

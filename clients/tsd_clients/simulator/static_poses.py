@@ -15,7 +15,8 @@ import mujoco
 import numpy as np
 import pinocchio
 
-from tsd_casadi.center_of_mass_fit import StaticPose
+from tsd_casadi.center_of_mass.fit import StaticPose
+from tsd_casadi.center_of_mass.pose_design import design_poses
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import SimulationError
 from tsd_casadi.motions.posture_move import Way, duration_of, short_way
@@ -23,7 +24,6 @@ from tsd_casadi.repetition.repetition import FALL_HEIGHT, Progress
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.format import Status
-from tsd_clients.pose_design import design_poses
 from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
 from tsd_clients.simulator.simulator import MujocoSimulator
 

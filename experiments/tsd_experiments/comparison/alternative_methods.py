@@ -16,16 +16,16 @@ import numpy as np
 from tsd_casadi.controller.controller import compile_controller
 from tsd_casadi.database.database import Database
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.identification import (
+from tsd_casadi.identification.identified_robot import write_robot
+from tsd_casadi.identification.inertias import (
     Identified,
     Observations,
     identify_inertias,
     identify_with_friction,
 )
-from tsd_casadi.identified_robot import write_robot
+from tsd_casadi.identification.physical_consistency import PARAMETERS
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.iterative_learning import update_weights
-from tsd_casadi.physical_consistency import PARAMETERS
 from tsd_casadi.repetition.compensator import Correction
 from tsd_casadi.repetition.learn import learn, record_of
 from tsd_experiments.comparison.baselines.disturbance_observer import (

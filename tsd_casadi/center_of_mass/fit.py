@@ -28,11 +28,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tsd_casadi.center_of_mass_correction import CenterOfMassCorrection
+from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
+from tsd_casadi.center_of_mass.static_chain import StaticChain
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Vector
-from tsd_casadi.static_chain import StaticChain
 
 NOISE = 5e-4  # m, of a pose's averaged centre of pressure
 

@@ -23,7 +23,7 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.physical_consistency import (
+from tsd_casadi.identification.physical_consistency import (
     PARAMETERS,
     Block,
     body,

@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 import pinocchio
 
-from tsd_casadi.center_of_mass_fit import NOISE, MassPrior, prior_correction
+from tsd_casadi.center_of_mass.fit import NOISE, MassPrior, prior_correction
+from tsd_casadi.center_of_mass.static_chain import StaticChain
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.robot.robot_file import FrameTaskFile
 from tsd_casadi.robot.standing import stand
 from tsd_casadi.state import Matrix, State, Vector
-from tsd_casadi.static_chain import StaticChain
 
 MOST_POSES = 500
 # candidates: at least so many, and so many for each pose asked for

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pinocchio
 
+from tsd_casadi.center_of_mass.correction_file import CenterOfMassMessage
+from tsd_casadi.center_of_mass.static_chain import StaticChain
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
-from tsd_casadi.messages.center_of_mass import CenterOfMassMessage
 from tsd_casadi.messages.message import to_matrix
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
-from tsd_casadi.static_chain import StaticChain
 
 # of a covariance's largest eigenvalue: what rounding may do to the smallest
 ROUNDING = 1e-9
