@@ -9,15 +9,15 @@ from tsd_casadi.robot.robot.robot import load_robot
 from tsd_casadi.tick.tick.format import STATUS_MEANING
 from tsd_casadi.tick.tick.layout import Layout
 
-from tsd_casadi import endpoints, keys
+from tsd_casadi.document import json_schema
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
-from tsd_casadi.messages.feedforward import FeedforwardMessage
-from tsd_casadi.messages.learner import RecordMessage, RecordReply
-from tsd_casadi.messages.message import json_schema
-from tsd_casadi.messages.suggestion import SuggestionMessage
 from tsd_casadi.motions.parameter import TASK_PARAMETERS
-from tsd_casadi.tick_message import HEADER, HEADER_FIELDS
+from tsd_casadi.wire import endpoints, keys
+from tsd_casadi.wire.feedforward import FeedforwardMessage
+from tsd_casadi.wire.learner import RecordMessage, RecordReply
+from tsd_casadi.wire.suggestion import SuggestionMessage
+from tsd_casadi.wire.tick_message import HEADER, HEADER_FIELDS
 
 ROBOT = "hermes_lower"
 QUERY = "?task=squat;amplitude=0.05;frequency=0.25"

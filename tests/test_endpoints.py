@@ -6,7 +6,8 @@ import os
 import pytest
 import zenoh
 
-from tsd_casadi.endpoints import (
+from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.wire.endpoints import (
     CONTROLLER,
     LEARNER,
     RUNTIME,
@@ -14,7 +15,6 @@ from tsd_casadi.endpoints import (
     configure_runtime,
     session_settings,
 )
-from tsd_casadi.exceptions import InvalidValue
 
 
 def test_default_endpoints_are_on_this_machine_and_differ() -> None:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 import zenoh
 
-from tsd_casadi import keys
+from tsd_casadi.wire import keys
 
 ROBOT = "hermes_lower"
 ALL = {

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from tsd_casadi import Controller
 from tsd_casadi.center_of_mass.correction_file import CenterOfMassMessage
+from tsd_casadi.document import ErrorMessage, Message, json_schema
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue, MalformedMessage
@@ -19,9 +20,9 @@ from tsd_casadi.generalization.suggestion import Suggestion
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.recording import Context, Recording, TaskKey
-from tsd_casadi.messages.feedforward import BasisMessage, FeedforwardMessage, QuantityMessage
-from tsd_casadi.messages.info import FieldMessage, InfoMessage
-from tsd_casadi.messages.learner import (
+from tsd_casadi.wire.feedforward import BasisMessage, FeedforwardMessage, QuantityMessage
+from tsd_casadi.wire.info import FieldMessage, InfoMessage
+from tsd_casadi.wire.learner import (
     ContextMessage,
     DatabaseReply,
     EntryMessage,
@@ -29,8 +30,7 @@ from tsd_casadi.messages.learner import (
     RecordMessage,
     RecordReply,
 )
-from tsd_casadi.messages.message import ErrorMessage, Message, json_schema
-from tsd_casadi.messages.suggestion import SuggestionMessage
+from tsd_casadi.wire.suggestion import SuggestionMessage
 
 KEY = TaskKey.of("hermes_lower", "squat", ("com.z",), {"amplitude": 0.03, "frequency": 0.25})
 CONTEXT = Context("00ff", "abcd", {"P": [50.0], "D": [14.0]}, "0.1.0")

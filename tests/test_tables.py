@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from tsd_casadi.learning.contraction import Contraction
-from tsd_casadi.messages.feedforward import QuantityMessage
-from tsd_casadi.messages.learner import DatabaseReply, EntryMessage
+from tsd_casadi.wire.feedforward import QuantityMessage
+from tsd_casadi.wire.learner import DatabaseReply, EntryMessage
 from tsd_clients.console import tables
 
 SUMMARY: dict[str, Any] = {

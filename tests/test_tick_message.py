@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tsd_casadi.exceptions import LayoutMismatch, MalformedMessage, UnsupportedVersion
-from tsd_casadi.tick_message import (
+from tsd_casadi.wire.tick_message import (
     HEADER,
     HEADER_FIELDS,
     MAGIC,

@@ -8,11 +8,11 @@ import zenoh
 
 from tsd_casadi.controller.controller import Controller, compile_controller
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
-from tsd_casadi.keys import info_key, tick_key
-from tsd_casadi.messages.info import InfoMessage
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
 from tsd_casadi.version import __version__
+from tsd_casadi.wire.info import InfoMessage
+from tsd_casadi.wire.keys import info_key, tick_key
+from tsd_casadi.wire.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
 from tsd_server.service import Service, reply_json
 
 BINARY = zenoh.Encoding.APPLICATION_OCTET_STREAM

@@ -10,7 +10,9 @@ import zenoh
 
 from tsd_casadi.database.database import Database
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
-from tsd_casadi.keys import (
+from tsd_casadi.motions.parameter import RESERVED
+from tsd_casadi.wire.feedforward import FeedforwardMessage
+from tsd_casadi.wire.keys import (
     ANY_ROBOT,
     database_key,
     feedforward_key,
@@ -18,10 +20,8 @@ from tsd_casadi.keys import (
     robot_of,
     suggestion_key,
 )
-from tsd_casadi.messages.feedforward import FeedforwardMessage
-from tsd_casadi.messages.learner import DatabaseReply, EntryMessage, RecordMessage, RecordReply
-from tsd_casadi.messages.suggestion import SuggestionMessage
-from tsd_casadi.motions.parameter import RESERVED
+from tsd_casadi.wire.learner import DatabaseReply, EntryMessage, RecordMessage, RecordReply
+from tsd_casadi.wire.suggestion import SuggestionMessage
 from tsd_server.service import Service, reply_json
 
 # robot chunk of replies to a query for any robot

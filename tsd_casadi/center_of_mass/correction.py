@@ -9,8 +9,8 @@ import pinocchio
 
 from tsd_casadi.center_of_mass.correction_file import CenterOfMassMessage
 from tsd_casadi.center_of_mass.static_chain import StaticChain
+from tsd_casadi.document import to_matrix
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
-from tsd_casadi.messages.message import to_matrix
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
 

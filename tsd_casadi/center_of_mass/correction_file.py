@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from tsd_casadi.messages.message import Finite, Message, Name
+from tsd_casadi.document import Finite, Message, Name
 
 MOST_LINKS = 200
 

@@ -9,7 +9,6 @@ from typing import Annotated, Any
 
 import typer
 
-from tsd_casadi.endpoints import LEARNER
 from tsd_casadi.exceptions import InvalidValue, TsdError
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.feedforward import Feedforward
@@ -18,6 +17,7 @@ from tsd_casadi.repetition.learn import learn as learn_motions
 from tsd_casadi.repetition.repetition import Gains
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot, load_robot
+from tsd_casadi.wire.endpoints import LEARNER
 from tsd_cli.commands.options import (
     ROBOT,
     AmplitudeOption,

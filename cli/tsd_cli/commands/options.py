@@ -12,13 +12,13 @@ import typer
 
 from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
 from tsd_casadi.controller.controller import WholeBodyController, compile_controller
-from tsd_casadi.endpoints import CONTROLLER, LEARNER
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
 from tsd_casadi.repetition.compensator import Correction
 from tsd_casadi.robot.robot import Robot
+from tsd_casadi.wire.endpoints import CONTROLLER, LEARNER
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_clients.simulator.hardware import EFFECTS
 from tsd_clients.simulator.model_error import ModelError

@@ -8,9 +8,9 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from tsd_casadi.endpoints import LEARNER
-from tsd_casadi.messages.feedforward import FeedforwardMessage
 from tsd_casadi.robot.robot import load_robot
+from tsd_casadi.wire.endpoints import LEARNER
+from tsd_casadi.wire.feedforward import FeedforwardMessage
 from tsd_cli.commands.options import (
     ROBOT,
     ConnectOption,

@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from tsd_casadi.database.database import default_path
-from tsd_casadi.endpoints import CONTROLLER, LEARNER
 from tsd_casadi.robot.robot import load_robot
+from tsd_casadi.wire.endpoints import CONTROLLER, LEARNER
 from tsd_cli.commands.options import (
     ROBOT,
     ListenOption,

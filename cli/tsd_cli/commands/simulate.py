@@ -7,12 +7,12 @@ from typing import Annotated
 
 import typer
 
-from tsd_casadi.endpoints import LEARNER
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.repetition import Gains
 from tsd_casadi.robot.robot import Robot, load_robot
+from tsd_casadi.wire.endpoints import LEARNER
 from tsd_cli.commands.options import (
     ROBOT,
     AmplitudeOption,

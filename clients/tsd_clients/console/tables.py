@@ -11,8 +11,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from tsd_casadi.learning.contraction import Contraction
-from tsd_casadi.messages.learner import DatabaseReply, EntryMessage
 from tsd_casadi.motions.parameter import unit_of
+from tsd_casadi.wire.learner import DatabaseReply, EntryMessage
 
 # tables need this many columns; pipes and narrow terminals get them as well
 WIDTH = 130

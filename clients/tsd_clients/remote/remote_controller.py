@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import zenoh
 
-from tsd_casadi.endpoints import CONTROLLER
 from tsd_casadi.exceptions import (
     LayoutMismatch,
     MalformedMessage,
@@ -18,13 +17,14 @@ from tsd_casadi.exceptions import (
     ServiceUnreachable,
     TwoServices,
 )
-from tsd_casadi.keys import info_key, tick_key
-from tsd_casadi.messages.info import InfoMessage
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.command import Command
 from tsd_casadi.tick.format import TickFormat
 from tsd_casadi.tick.tick import Tick
-from tsd_casadi.tick_message import REPLY, REQUEST, TickMessage, pack_tick, unpack_tick
+from tsd_casadi.wire.endpoints import CONTROLLER
+from tsd_casadi.wire.info import InfoMessage
+from tsd_casadi.wire.keys import info_key, tick_key
+from tsd_casadi.wire.tick_message import REPLY, REQUEST, TickMessage, pack_tick, unpack_tick
 from tsd_clients.remote.session import PATIENCE, Session
 
 TICK_TIMEOUT = 0.5  # s

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tsd_casadi.endpoints import LEARNER
 from tsd_casadi.generalization.suggestion import Region, Suggestion
-from tsd_casadi.keys import ANY_ROBOT, database_key, feedforward_key, record_key, suggestion_key
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.recording import Recording
-from tsd_casadi.messages.feedforward import FeedforwardMessage
-from tsd_casadi.messages.learner import DatabaseReply, EntryMessage, RecordMessage, RecordReply
-from tsd_casadi.messages.suggestion import SuggestionMessage
+from tsd_casadi.wire.endpoints import LEARNER
+from tsd_casadi.wire.feedforward import FeedforwardMessage
+from tsd_casadi.wire.keys import (
+    ANY_ROBOT,
+    database_key,
+    feedforward_key,
+    record_key,
+    suggestion_key,
+)
+from tsd_casadi.wire.learner import DatabaseReply, EntryMessage, RecordMessage, RecordReply
+from tsd_casadi.wire.suggestion import SuggestionMessage
 from tsd_clients.remote.session import Session
 
 

@@ -8,15 +8,15 @@ from typing import Any
 
 import zenoh
 
-from tsd_casadi.endpoints import check_endpoint, configure_runtime, session_settings
+from tsd_casadi.document import ErrorMessage
 from tsd_casadi.exceptions import (
     MalformedMessage,
     ServiceError,
     ServiceUnreachable,
     TwoServices,
 )
-from tsd_casadi.keys import alive_key
-from tsd_casadi.messages.message import ErrorMessage
+from tsd_casadi.wire.endpoints import check_endpoint, configure_runtime, session_settings
+from tsd_casadi.wire.keys import alive_key
 
 # how long a service may take to appear after a client started
 PATIENCE = 5.0  # s

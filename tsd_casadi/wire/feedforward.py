@@ -7,10 +7,10 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
+from tsd_casadi.document import Finite, Message, to_matrix
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.learning.feedforward import Feedforward, Kind
-from tsd_casadi.messages.message import Finite, Message, to_matrix
 from tsd_casadi.motions.parameter import unit_of
 
 

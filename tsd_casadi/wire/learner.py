@@ -7,13 +7,13 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
+from tsd_casadi.document import Finite, Message, Name, to_matrix
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.recording import Context, Recording, Rule, TaskKey
-from tsd_casadi.messages.feedforward import BasisMessage, QuantityMessage
-from tsd_casadi.messages.message import Finite, Message, Name, to_matrix
+from tsd_casadi.wire.feedforward import BasisMessage, QuantityMessage
 
 
 class LapMessage(Message):

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from tsd_casadi.document import Message
 from tsd_casadi.exceptions import MalformedMessage
-from tsd_casadi.messages.message import Message
 from tsd_casadi.tick.format import STATUS_MEANING, TickFormat
 from tsd_casadi.tick.layout import Field as LayoutField
 from tsd_casadi.tick.layout import Layout

@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from tsd_casadi.document import Finite, Message
 from tsd_casadi.generalization.suggestion import Suggestion
-from tsd_casadi.messages.feedforward import QuantityMessage, plain_parameters
-from tsd_casadi.messages.message import Finite, Message
+from tsd_casadi.wire.feedforward import QuantityMessage, plain_parameters
 
 
 class SuggestionMessage(Message):
