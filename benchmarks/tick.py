@@ -22,7 +22,9 @@ from rich.table import Table
 from threadpoolctl import threadpool_limits
 
 from benchmarks.numeric_controller import NumericController
-from tsd_casadi.controller.controller import Controller, compile_controller
+from tsd_casadi.compilation.compile_controller import compile_controller
+from tsd_casadi.controller.controller import Controller
+from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.state import State, Vector
@@ -143,7 +145,7 @@ def main() -> None:
     arguments = parser.parse_args()
     robot = load_robot(arguments.robot)
     controller = compile_controller(robot)
-    numeric = NumericController(controller.problem)
+    numeric = NumericController(InverseDynamics(robot))
     results = {}
     for name, make in (("nominal", nominal_requests), ("stressed", stressed_requests)):
         requests = make(controller, robot, arguments.states)

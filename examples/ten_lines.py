@@ -9,7 +9,8 @@ import sys
 import tempfile
 
 import tsd_casadi as tsd
-from tsd_clients import MujocoSimulator, learn
+from tsd_casadi import learn
+from tsd_clients import MujocoSimulator
 
 *learned, queried = map(float, sys.argv[1:]) if sys.argv[1:] else (0.02, 0.04, 0.06, 0.08, 0.05)
 

@@ -85,7 +85,7 @@ def test_identified_controllers_know_the_true_weight(
 def test_excitation_turns_the_trunk_and_sways(robot: Robot, controller: Controller) -> None:
     recorder = MotionRecorder()
     run = MujocoSimulator(robot).run(
-        controller, Squat(0.02, 0.25), corrections=[Excitation(), recorder], laps=2
+        controller, Squat(0.02, 0.25), compensators=[Excitation(), recorder], laps=2
     )
     assert run.steady
     assert not run.failures

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tsd_casadi import Controller, Database, Robot, Squat, load_robot
+from tsd_casadi import Controller, Database, Robot, Squat, learn, load_robot
 from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
 from tsd_casadi.center_of_mass.fit import StaticPose, fit_correction, prior_correction
 from tsd_casadi.center_of_mass.pose_design import design_poses
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
-from tsd_clients import ModelError, MujocoSimulator, learn
+from tsd_clients import ModelError, MujocoSimulator
 from tsd_clients.simulator.static_poses import true_center_of_mass, with_noise
 
 SQUAT = Squat(0.02, 1.0)
@@ -42,9 +42,9 @@ def test_learning_takes_away_the_true_error(
     tmp_path: Path,
 ) -> None:
     errors = {}
-    for name, corrections in (("without", []), ("with", [CenterOfMassShift(correction)])):
+    for name, compensators in (("without", []), ("with", [CenterOfMassShift(correction)])):
         database = Database(tmp_path / f"{name}.sqlite")
-        runs = learn(simulator, controller, [SQUAT], database, laps=2, corrections=corrections)
+        runs = learn(simulator, controller, [SQUAT], database, laps=2, compensators=compensators)
         errors[name] = runs[-1].true_rms_error
         # what the controller sees is small either way
         assert runs[-1].rms_error < 0.1 * runs[0].rms_error
@@ -55,7 +55,7 @@ def test_learning_takes_away_the_true_error(
 def test_the_controllers_error_is_that_of_the_corrected_centre_of_mass(
     simulator: MujocoSimulator, controller: Controller, correction: CenterOfMassCorrection
 ) -> None:
-    run = simulator.run(controller, SQUAT, laps=2, corrections=[CenterOfMassShift(correction)])
+    run = simulator.run(controller, SQUAT, laps=2, compensators=[CenterOfMassShift(correction)])
     for tick in range(0, run.ticks, 300):
         height = correction.center_of_mass(run.log["q"][tick].astype(float))[2]
         expected = run.log["reference"][tick] - height
@@ -72,7 +72,7 @@ def test_a_correction_that_knows_nothing_changes_nothing(
 ) -> None:
     nothing = prior_correction(robot)
     plain = simulator.run(controller, SQUAT, laps=2)
-    shifted = simulator.run(controller, SQUAT, laps=2, corrections=[CenterOfMassShift(nothing)])
+    shifted = simulator.run(controller, SQUAT, laps=2, compensators=[CenterOfMassShift(nothing)])
     assert shifted.true_rms_error == pytest.approx(plain.true_rms_error, abs=1e-8)
 
 
@@ -82,4 +82,4 @@ def test_another_models_correction_is_refused(
     changed = load_robot(write_robot(lambda document: document["posture"].update(P=41.0)))
     shift = CenterOfMassShift(prior_correction(changed))
     with pytest.raises(InvalidValue, match="correction"):
-        simulator.run(controller, SQUAT, corrections=[shift])
+        simulator.run(controller, SQUAT, compensators=[shift])

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from tsd_casadi import Command, Controller, Robot, State, Status, Tick
+from tsd_casadi import Command, Controller, Robot, State, Status, Tick, load_robot
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.tick.layout import Field
 
@@ -51,10 +51,13 @@ FAILURES: dict[str, tuple[Edit, Status]] = {
 }
 
 
+HOME = load_robot("hermes_lower").home
+
+
 def run(controller: Controller, edit: Edit, state: State | None = None) -> Tick:
     command = controller.command()
     edit(command)
-    return controller.tick(state or controller.problem.robot.home, command)
+    return controller.tick(state or HOME, command)
 
 
 def lasting(tick: Tick) -> bytes:
@@ -93,7 +96,7 @@ def test_same_request_gives_the_same_bits_whatever_came_before(
 def test_two_controllers_of_one_library_do_not_share_memory(
     controller: Controller, robot: Robot
 ) -> None:
-    other = Controller(controller.problem, controller.library)
+    other = Controller(controller.format, controller.library)
     state = moving(robot, 2)
     expected = run(controller, put(), state)
     run(other, FAILURES["negative weight"][0])

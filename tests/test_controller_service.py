@@ -12,9 +12,9 @@ import pytest
 import zenoh
 
 import tsd_casadi as tsd
-from tsd_casadi.document import ErrorMessage
 from tsd_casadi.exceptions import ServiceError, ServiceUnreachable, TsdError, TwoServices
 from tsd_casadi.wire.endpoints import session_settings
+from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import info_key, tick_key
 from tsd_casadi.wire.tick_message import HEADER, REPLY, REQUEST, pack_tick, unpack_tick
 from tsd_clients.remote.remote_controller import RemoteController

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tsd_casadi import Command, Controller, Robot, Squat, State, Tick
-from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi import Command, Controller, Robot, Run, Squat, State, Tick
+from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.repetition import HOLD
 from tsd_casadi.state import Vector
-from tsd_clients import MujocoSimulator, Run
+from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.mujoco_plant import TIMESTEP
 from tsd_clients.simulator.state_map import StateMap
@@ -49,7 +49,7 @@ class Applied(Disturbance):
         self.torques.append(data.ctrl[state_map.actuators].copy())
 
 
-class Diary(Correction):
+class Diary(Compensator):
     """Notes every call."""
 
     def __init__(self, name: str, calls: list[tuple[str, str, float]]) -> None:
@@ -70,7 +70,7 @@ class Diary(Correction):
         self.calls.append((self.name, "after", moment.time))
 
 
-class Change(Correction):
+class Change(Compensator):
     """Adds to whatever may be changed."""
 
     def __init__(
@@ -108,7 +108,7 @@ def limp(controller: Controller) -> Limp:
 
 def test_the_base_class_changes_nothing(simulator: MujocoSimulator, limp: Limp) -> None:
     without = simulator.run(limp, SQUAT)
-    run = simulator.run(limp, SQUAT, corrections=[Correction(), Correction()])
+    run = simulator.run(limp, SQUAT, compensators=[Compensator(), Compensator()])
     for name in ("q", "tau", "reference", "feedforward", "error"):
         np.testing.assert_array_equal(run.log[name], without.log[name])
 
@@ -117,7 +117,7 @@ def test_each_is_asked_once_a_tick_in_the_order_of_the_list(
     simulator: MujocoSimulator, limp: Limp
 ) -> None:
     calls: list[tuple[str, str, float]] = []
-    run = simulator.run(limp, SQUAT, corrections=[Diary("one", calls), Diary("other", calls)])
+    run = simulator.run(limp, SQUAT, compensators=[Diary("one", calls), Diary("other", calls)])
     assert run.fell
     assert run.ticks > 100
     expected = [("one", "start", -1.0), ("other", "start", -1.0)]
@@ -130,7 +130,7 @@ def test_each_is_asked_once_a_tick_in_the_order_of_the_list(
 def test_each_run_is_a_new_start(simulator: MujocoSimulator, limp: Limp, robot: Robot) -> None:
     diary = Diary("one", [])
     for _ in range(2):
-        simulator.run(limp, SQUAT, corrections=[diary])
+        simulator.run(limp, SQUAT, compensators=[diary])
     assert len(diary.settings) == 2
     setting = diary.settings[0]
     assert setting.robot is robot
@@ -143,7 +143,7 @@ def test_each_run_is_a_new_start(simulator: MujocoSimulator, limp: Limp, robot: 
 def test_a_moment_tells_what_the_tick_is_about(
     simulator: MujocoSimulator, controller: Controller
 ) -> None:
-    class Remember(Correction):
+    class Remember(Compensator):
         def __init__(self) -> None:
             self.moments: list[tuple[float, float, int, float, float]] = []
             self.wrong: list[float] = []
@@ -157,7 +157,7 @@ def test_a_moment_tells_what_the_tick_is_about(
             self.wrong.append(float(np.abs(moment.tick.tau - moment.tau).max()))
 
     remember = Remember()
-    run = simulator.run(controller, SQUAT, laps=2, corrections=[remember])
+    run = simulator.run(controller, SQUAT, laps=2, compensators=[remember])
     time, phase, lap, x, feedforward = np.array(remember.moments).T
     np.testing.assert_array_equal(time, run.log["time"])
     np.testing.assert_array_equal(phase, run.log["phase"])
@@ -178,7 +178,7 @@ def test_a_shift_moves_the_reference_that_the_controller_sees(
         Change(shift=(0.01, -0.02, 0.03), shift_rate=(0.1, 0.2, 0.3)),
         Change(shift=(0.0, 0.0, 0.005)),
     ]
-    run = simulator.run(limp, SQUAT, corrections=changes)
+    run = simulator.run(limp, SQUAT, compensators=changes)
     moved = limp.seen("com.reference") - position
     np.testing.assert_allclose(moved, np.tile([0.01, -0.02, 0.035], (run.ticks, 1)), atol=1e-12)
     faster = limp.seen("com.reference_velocity") - velocity
@@ -188,7 +188,7 @@ def test_a_shift_moves_the_reference_that_the_controller_sees(
 
 
 def test_the_robot_follows_a_shift(simulator: MujocoSimulator, controller: Controller) -> None:
-    run = simulator.run(controller, SQUAT, laps=2, corrections=[Change(shift=(0.0, 0.0, -0.01))])
+    run = simulator.run(controller, SQUAT, laps=2, compensators=[Change(shift=(0.0, 0.0, -0.01))])
     assert run.steady
     # the controller is content, the robot 1 cm too low
     assert run.rms_error < 2e-4
@@ -201,7 +201,7 @@ def test_the_robot_follows_a_shift(simulator: MujocoSimulator, controller: Contr
 
 def test_feedforward_adds_up_and_is_logged(simulator: MujocoSimulator, limp: Limp) -> None:
     changes = [Change(feedforward=0.25), Change(feedforward=-0.75)]
-    run = simulator.run(limp, SQUAT, corrections=changes)
+    run = simulator.run(limp, SQUAT, compensators=changes)
     np.testing.assert_array_equal(run.log["feedforward"], -0.5)
     seen = limp.seen("com.feedforward")
     np.testing.assert_array_equal(seen[:, 2], -0.5)
@@ -209,10 +209,10 @@ def test_feedforward_adds_up_and_is_logged(simulator: MujocoSimulator, limp: Lim
 
 
 def applied_and_logged(
-    simulator: MujocoSimulator, limp: Limp, *corrections: Correction
+    simulator: MujocoSimulator, limp: Limp, *compensators: Compensator
 ) -> tuple[Run, Vector]:
     applied = Applied()
-    run = simulator.run(limp, SQUAT, corrections=corrections, disturbances=[applied])
+    run = simulator.run(limp, SQUAT, compensators=compensators, disturbances=[applied])
     return run, np.array(applied.torques)
 
 
@@ -231,18 +231,18 @@ def test_torque_is_cut_off_at_the_limits(
 
 
 def test_the_answer_stays_what_the_controller_said(simulator: MujocoSimulator, limp: Limp) -> None:
-    class Check(Correction):
+    class Check(Compensator):
         def after(self, moment: Moment) -> None:
             assert moment.tick is not None
             np.testing.assert_array_equal(moment.tick.tau, 0.125)
             np.testing.assert_array_equal(moment.tau, 2.125)
 
-    run = simulator.run(limp, SQUAT, corrections=[Change(tau=2.0), Check()])
+    run = simulator.run(limp, SQUAT, compensators=[Change(tau=2.0), Check()])
     assert run.ticks > 0
 
 
 def test_corrections_see_the_measured_state(robot: Robot, limp: Limp) -> None:
-    class Angles(Correction):
+    class Angles(Compensator):
         def __init__(self) -> None:
             self.q: list[Vector] = []
 
@@ -250,7 +250,7 @@ def test_corrections_see_the_measured_state(robot: Robot, limp: Limp) -> None:
             self.q.append(moment.state.q)
 
     angles = Angles()
-    run = MujocoSimulator(robot, hardware=["quantisation"]).run(limp, SQUAT, corrections=[angles])
+    run = MujocoSimulator(robot, hardware=["quantisation"]).run(limp, SQUAT, compensators=[angles])
     hardware = robot.description.hardware
     assert hardware is not None
     steps = np.array(angles.q)[:, 7:] / hardware.encoder_resolution

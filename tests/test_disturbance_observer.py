@@ -133,7 +133,7 @@ def test_it_is_stable_on_a_robot_with_lags(
 ) -> None:
     simulator = MujocoSimulator(robot, 0.1, ["all"])
     observer = DisturbanceObserver(usual_bandwidth(robot, D, crossover))
-    run = simulator.run(controller, Squat(0.02, 1.0), corrections=[observer])
+    run = simulator.run(controller, Squat(0.02, 1.0), compensators=[observer])
     without = simulator.run(controller, Squat(0.02, 1.0))
     assert run.steady
     assert not run.failures

@@ -15,7 +15,7 @@ from tsd_casadi import Robot, State
 from tsd_casadi.exceptions import InvalidValue
 from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.disturbances import Disturbance, Push, TorqueNoise
-from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
+from tsd_clients.simulator.mujoco_plant import TIMESTEP, MujocoPlant
 
 JOINTS = 17
 
@@ -51,7 +51,7 @@ class Momentum:
         self.mujoco, self.pinocchio, self.states = [], [], []
         watch = SimpleNamespace(reset=lambda: None, apply=self._watch)
         self._model, self._base = model, simulator.state_map.base_body
-        plant = Plant(robot, model, start, start, (), [*disturbances, watch], 0)
+        plant = MujocoPlant(robot, model, start, start, (), [*disturbances, watch], 0)
         data = robot.model.createData()
         for tick in range(ticks):
             state, _ = plant.measure()

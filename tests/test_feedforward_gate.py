@@ -11,14 +11,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tsd_casadi import Controller, Feedforward, PeriodicBasis, Robot, Squat
+from tsd_casadi import Controller, Feedforward, PeriodicBasis, Robot, Run, Squat
 from tsd_casadi.motions.motion import Reference
 from tsd_casadi.repetition.compensator import Moment
 from tsd_casadi.repetition.feedforward_gate import FADE, FeedforwardGate
 from tsd_casadi.repetition.repetition import HOLD
 from tsd_cli import command_line
 from tsd_cli.commands import simulate
-from tsd_clients import MujocoSimulator, Run
+from tsd_clients import MujocoSimulator
 
 DT = 1e-3
 FREQUENCY = 1.0
@@ -129,13 +129,13 @@ def test_a_run_goes_on_without_what_was_dropped(
     robot: Robot, controller: Controller, none: Run
 ) -> None:
     simulator, gate = MujocoSimulator(robot, 0.1), FeedforwardGate()
-    run = simulator.run(controller, SQUAT, feedforward=wrong_for(none), corrections=[gate])
+    run = simulator.run(controller, SQUAT, feedforward=wrong_for(none), compensators=[gate])
     assert gate.dropped_at is not None
     assert HOLD < gate.dropped_at < HOLD + 1 / SQUAT.frequency
     assert run.rms_error == pytest.approx(none.rms_error, rel=0.02)
     assert run.feedforward.kind == "none"
     # the same gate in another run starts anew
-    simulator.run(controller, SQUAT, laps=2, corrections=[gate])
+    simulator.run(controller, SQUAT, laps=2, compensators=[gate])
     assert gate.dropped_at is None
 
 

@@ -182,7 +182,7 @@ def test_from_a_repetition(robot: Robot, controller: Controller) -> None:
     """The weight that the robot lifts is found from its own torques."""
     simulator = MujocoSimulator(robot, 0.1)
     recorder = MotionRecorder()
-    run = simulator.run(controller, Squat(0.03, 1.0), corrections=[recorder])
+    run = simulator.run(controller, Squat(0.03, 1.0), compensators=[recorder])
     observed = observe(run, recorder)
     joints = observed.q[:, 7:]
     speed = np.gradient(joints, 1 / len(joints), axis=0)
@@ -207,7 +207,7 @@ def test_friction_feedforward_asks_for_the_wanted_velocity(
     simulator = MujocoSimulator(robot)
     correction = FrictionFeedforward(found.friction)
     run = simulator.run(
-        controller, Squat(0.03, 1.0), corrections=[bare, correction, recorder], laps=2
+        controller, Squat(0.03, 1.0), compensators=[bare, correction, recorder], laps=2
     )
     moving = run.log["lap"] >= 1
     added = (np.array(recorder.tau) - np.array(bare.tau))[moving]

@@ -9,7 +9,7 @@ from scipy.signal import lti, step
 
 from tsd_casadi import Controller, Robot, Squat, Status
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.repetition.compensator import Correction
+from tsd_casadi.repetition.compensator import Compensator
 from tsd_clients import MujocoSimulator
 from tsd_experiments.comparison.baselines.integral_action import ROUTH_SHARE, IntegralAction
 
@@ -18,7 +18,7 @@ GAINS = {"com.P": np.array([0.0, P]), "com.D": np.array([0.0, D])}
 SETTING: Any = SimpleNamespace(task="com", component=1, axis=1, dt=DT)
 
 
-def simulate(correction: Correction, disturbance: float, seconds: float) -> np.ndarray:
+def simulate(correction: Compensator, disturbance: float, seconds: float) -> np.ndarray:
     """Error of a double integrator with a constant disturbance, tick by tick."""
     correction.start(SETTING)
     x = v = 0.0
@@ -80,7 +80,7 @@ def test_it_removes_the_mean_on_a_robot_with_lags(robot: Robot, controller: Cont
     simulator = MujocoSimulator(robot, 0.1, ["lag", "delay", "differencing"])
     action = IntegralAction()
     for _ in range(2):  # the second run starts afresh
-        run = simulator.run(controller, Squat(0.01, 1.0), corrections=[action])
+        run = simulator.run(controller, Squat(0.01, 1.0), compensators=[action])
         assert run.steady
         errors = run.log["error"][run.log["measured"]]
         assert abs(errors.mean()) < 2e-4

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import casadi as ca
@@ -11,7 +12,7 @@ import pytest
 import quadprog
 from scipy.spatial.transform import Rotation
 
-from tsd_casadi import Command, Controller, InverseDynamics, Robot, Status, Tick
+from tsd_casadi import Command, Controller, InverseDynamics, Robot, Status, Tick, load_robot
 from tsd_casadi.costs.null_space_posture import DAMPING, null_space_projector
 from tsd_casadi.formulation.inverse_dynamics import QuadraticProgram
 from tsd_casadi.robot.robot_file import COM_AXES, FRAME_AXES
@@ -97,8 +98,13 @@ class Solved:
         return np.concatenate((self.tick.qdd, *self.tick.wrenches.values()))
 
 
+@cache
+def problem_of(controller: Controller) -> InverseDynamics:
+    return InverseDynamics(load_robot(controller.format.robot))
+
+
 def solve(controller: Controller, command: Command) -> Solved:
-    qp = controller.problem.evaluate(command.request)
+    qp = problem_of(controller).evaluate(command.request)
     return Solved(command, qp, Tick(controller.format, controller.run(command.request)))
 
 
@@ -107,7 +113,7 @@ def nominal(controller: Controller) -> list[Solved]:
     rng = np.random.default_rng(0)
     noise = [0.04, 0.2]  # the smaller one seldom reaches a limit
     return [
-        solve(controller, random_command(controller.problem, rng, noise[i % 2]))
+        solve(controller, random_command(problem_of(controller), rng, noise[i % 2]))
         for i in range(EACH)
     ]
 
@@ -117,8 +123,8 @@ def drawn(controller: Controller) -> list[Solved]:
     rng = np.random.default_rng(1)
     found: list[Solved] = []
     while sum(is_stressed(solved) for solved in found) < EACH:
-        command = random_command(controller.problem, rng)
-        tighten(controller.problem, command, rng)
+        command = random_command(problem_of(controller), rng)
+        tighten(problem_of(controller), command, rng)
         found.append(solve(controller, command))
     return found
 
@@ -137,10 +143,10 @@ def one_foot(controller: Controller) -> list[Solved]:
     rng = np.random.default_rng(2)
     found = []
     for index in range(60):
-        command = random_command(controller.problem, rng)
+        command = random_command(problem_of(controller), rng)
         command[f"{controller.format.contacts[index % 2]}.active"] = 0.0
         if index % 3 == 0:
-            command[f"{controller.problem.tasks[index % 2].name}.active"] = 0.0
+            command[f"{problem_of(controller).tasks[index % 2].name}.active"] = 0.0
         found.append(solve(controller, command))
     return found
 
@@ -218,15 +224,15 @@ def test_second_solver_agrees_on_what_is_infeasible(controller: Controller) -> N
     rng = np.random.default_rng(3)
     statuses = Counter[Status]()
     for _ in range(100):
-        command = random_command(controller.problem, rng)
-        tighten(controller.problem, command, rng, share=0.09)
+        command = random_command(problem_of(controller), rng)
+        tighten(problem_of(controller), command, rng, share=0.09)
         solved = solve(controller, command)
         statuses[solved.tick.status] += 1
         if solved.tick.status == Status.OK:
-            second_solver(controller.problem, solved.qp)
+            second_solver(problem_of(controller), solved.qp)
         else:
             with pytest.raises(ValueError, match="inconsistent"):
-                second_solver(controller.problem, solved.qp)
+                second_solver(problem_of(controller), solved.qp)
     print(statuses)
     assert set(statuses) == {Status.OK, Status.INFEASIBLE}
     assert min(statuses.values()) > 20
@@ -487,7 +493,7 @@ def test_a_switched_off_foot_carries_nothing(
 
 def test_both_feet_off_is_free_fall(controller: Controller, robot: Robot) -> None:
     command = controller.command()
-    for name in names_of(controller.problem, "_foot.active"):
+    for name in names_of(problem_of(controller), "_foot.active"):
         command[name] = 0.0
     tick = solve(controller, command).tick
     assert tick.status == Status.OK
@@ -508,8 +514,8 @@ def moved(reference: np.ndarray) -> np.ndarray:
 
 def test_a_switched_off_task_does_not_matter(controller: Controller) -> None:
     rng = np.random.default_rng(5)
-    for task in controller.problem.tasks:
-        command = random_command(controller.problem, rng)
+    for task in problem_of(controller).tasks:
+        command = random_command(problem_of(controller), rng)
         command[f"{task.name}.active"] = 0.0
         before = solve(controller, command)
         command[f"{task.name}.reference"] = moved(command[f"{task.name}.reference"])
@@ -524,13 +530,13 @@ def test_a_switched_off_task_does_not_matter(controller: Controller) -> None:
 
 def test_switching_a_task_on_tracks_it(controller: Controller) -> None:
     rng = np.random.default_rng(6)
-    command = random_command(controller.problem, rng)
-    task = controller.problem.tasks[0].name
+    command = random_command(problem_of(controller), rng)
+    task = problem_of(controller).tasks[0].name
     command[f"{task}.reference_acceleration"] += 1.0
     with_task = solve(controller, command).tick
     command[f"{task}.active"] = 0.0
     without = solve(controller, command).tick
-    J = Numeric(controller.problem.robot, command).J_com
+    J = Numeric(problem_of(controller).robot, command).J_com
     assert (np.abs(J @ (with_task.qdd - without.qdd)) > 0.3).any()
 
 
@@ -552,11 +558,11 @@ def test_null_space_projector_against_numpy(rows: int) -> None:
 def test_posture_cost_against_dense_numpy(robot: Robot, controller: Controller) -> None:
     rng = np.random.default_rng(7)
     for _ in range(20):
-        command = random_command(controller.problem, rng)
-        with_posture = controller.problem.evaluate(command.request)
+        command = random_command(problem_of(controller), rng)
+        with_posture = problem_of(controller).evaluate(command.request)
         W_q = np.diag(command["posture.W"])
         command["posture.W"] = 0.0
-        without = controller.problem.evaluate(command.request)
+        without = problem_of(controller).evaluate(command.request)
         numeric = Numeric(robot, command)
         N = numeric.null_space()
         qdd_des = np.zeros(robot.nv)
@@ -570,10 +576,10 @@ def test_posture_cost_against_dense_numpy(robot: Robot, controller: Controller) 
 def test_posture_does_not_disturb_the_tasks(controller: Controller) -> None:
     rng = np.random.default_rng(8)
     for _ in range(20):
-        command = random_command(controller.problem, rng)
-        numeric = Numeric(controller.problem.robot, command)
+        command = random_command(problem_of(controller), rng)
+        numeric = Numeric(problem_of(controller).robot, command)
         N = numeric.null_space()
-        for task in controller.problem.robot.description.tasks:
+        for task in problem_of(controller).robot.description.tasks:
             assert np.abs(numeric.task(task)[0] @ N).max() < 1e-4
         assert np.abs(numeric.contact_jacobian @ N).max() < 1e-4
 
@@ -587,11 +593,11 @@ def test_standing_still_at_home_carries_the_weight(controller: Controller, robot
 
 def test_moving_the_whole_problem_changes_nothing(controller: Controller) -> None:
     rng = np.random.default_rng(9)
-    command = random_command(controller.problem, rng)
+    command = random_command(problem_of(controller), rng)
     before = solve(controller, command).tick
     shift = np.array([3.0, -2.0, 1.0])
     command["q"][:3] += shift
-    for name in names_of(controller.problem, ".reference"):
+    for name in names_of(problem_of(controller), ".reference"):
         command[name][:3] += shift
     after = solve(controller, command).tick
     np.testing.assert_allclose(after.tau, before.tau, atol=1e-7)
@@ -606,7 +612,7 @@ def test_names_of_rows_are_unique_and_counted(problem: InverseDynamics) -> None:
 
 
 def lively(controller: Controller) -> Command:
-    command = random_command(controller.problem, np.random.default_rng(10), 0.05)
+    command = random_command(problem_of(controller), np.random.default_rng(10), 0.05)
     command["com.reference_acceleration"] = [0.3, 0.2, 0.5]
     command["pelvis.reference_acceleration"] = [0.5, 0.4, 0.3]
     return command

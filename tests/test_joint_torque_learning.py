@@ -95,7 +95,7 @@ def test_learned_torque_is_added_at_its_phase(setting: Setting, robot: Robot) ->
 def test_learning_reduces_the_error(robot: Robot, controller: Controller) -> None:
     simulator = MujocoSimulator(robot, 0.1)
     runs, learned = learn_joint_torques(simulator, controller, SQUAT, 2, laps=2)
-    shown = simulator.run(controller, SQUAT, corrections=[LearnedTorque(learned)])
+    shown = simulator.run(controller, SQUAT, compensators=[LearnedTorque(learned)])
     first, second = (run.rms_error for run in runs)
     assert second < first / 10
     assert shown.rms_error < second / 3

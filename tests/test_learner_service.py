@@ -13,12 +13,12 @@ import pytest
 import zenoh
 
 from tsd_casadi.database.database import Database
-from tsd_casadi.document import ErrorMessage
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import ServiceError, ServiceUnreachable, TsdError, TwoServices
 from tsd_casadi.learning.recording import Context, Recording, TaskKey
 from tsd_casadi.wire.endpoints import session_settings
+from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import feedforward_key, record_key, suggestion_key
 from tsd_casadi.wire.learner import RecordMessage
 from tsd_clients.remote.remote_learner import RemoteLearner

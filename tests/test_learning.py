@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tsd_casadi import Command, Controller, Database, Robot, Squat, State, Tick
+from tsd_casadi import Command, Controller, Database, Robot, Run, Squat, State, Tick, learn
 from tsd_casadi.exceptions import (
     DatabaseError,
     EntryNotFound,
@@ -20,7 +20,7 @@ from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.recording import TaskKey
 from tsd_casadi.repetition.learn import record_of
 from tsd_casadi.tick.format import Status
-from tsd_clients import MujocoSimulator, Run, learn
+from tsd_clients import MujocoSimulator
 
 SQUAT = Squat(amplitude=0.01, frequency=1.0)
 AT = {"amplitude": 0.01, "frequency": 1.0, "height": 0.0}

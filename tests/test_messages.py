@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from tsd_casadi import Controller
 from tsd_casadi.center_of_mass.correction_file import CenterOfMassMessage
-from tsd_casadi.document import ErrorMessage, Message, json_schema
+from tsd_casadi.document import Document, json_schema
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue, MalformedMessage
@@ -20,6 +20,7 @@ from tsd_casadi.generalization.suggestion import Suggestion
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.recording import Context, Recording, TaskKey
+from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.feedforward import BasisMessage, FeedforwardMessage, QuantityMessage
 from tsd_casadi.wire.info import FieldMessage, InfoMessage
 from tsd_casadi.wire.learner import (
@@ -100,7 +101,7 @@ RECORD = RecordMessage.of(a_recording())
 ENTRY = EntryMessage.of(an_entry())
 PLACE = Suggestion({"amplitude": 0.05, "frequency": 0.4, "height": -0.02}, 0.03)
 SUGGESTION = SuggestionMessage.of("hermes_lower", "squat", PLACE)
-SAMPLES: list[Message] = [
+SAMPLES: list[Document] = [
     ErrorMessage.of(EntryNotFound('nothing ä "quoted"')),
     QuantityMessage(value=0.05, unit="m"),
     BasisMessage.of(PeriodicBasis()),
@@ -140,7 +141,7 @@ CLASSES = [
 ]
 
 
-def changed(message: Message, path: str, value: Any) -> bytes:
+def changed(message: Document, path: str, value: Any) -> bytes:
     """The message's JSON with one value replaced; the path is dotted."""
     document = json.loads(message.encode())
     *parents, last = path.split(".")
@@ -167,11 +168,11 @@ def test_what_iterations_leave_comes_back_as_it_was() -> None:
 
 
 def test_every_message_class_is_tested_here() -> None:
-    assert set(Message.__subclasses__()) == set(CLASSES)
+    assert set(Document.__subclasses__()) == set(CLASSES)
 
 
 @pytest.mark.parametrize("message", SAMPLES, ids=lambda message: type(message).__name__)
-def test_every_message_comes_back_as_it_was(message: Message) -> None:
+def test_every_message_comes_back_as_it_was(message: Document) -> None:
     payload = message.encode()
     assert type(message).decode(payload) == message
     assert type(message).decode(payload).encode() == payload
@@ -300,7 +301,7 @@ def test_json_schema_covers_every_field_of_the_feedforward() -> None:
 
 # what is refused
 
-MALFORMED: dict[str, tuple[Message, str, Any]] = {
+MALFORMED: dict[str, tuple[Document, str, Any]] = {
     f"{type(message).__name__} {path} = {value!r}": (message, path, value)
     for message, path, values in [
         (FEEDFORWARD, "format", ["tsd.feedforward/2", "", None, 1]),
@@ -367,7 +368,7 @@ def test_a_malformed_field_is_refused_by_name(case: str) -> None:
 
 
 @pytest.mark.parametrize("message", SAMPLES, ids=lambda message: type(message).__name__)
-def test_a_missing_field_is_refused_by_name(message: Message) -> None:
+def test_a_missing_field_is_refused_by_name(message: Document) -> None:
     kind = type(message)
     document = json.loads(message.encode())
     for name, field in kind.model_fields.items():
@@ -379,12 +380,12 @@ def test_a_missing_field_is_refused_by_name(message: Message) -> None:
 
 
 @pytest.mark.parametrize("message", SAMPLES, ids=lambda message: type(message).__name__)
-def test_an_unknown_field_is_refused(message: Message) -> None:
+def test_an_unknown_field_is_refused(message: Document) -> None:
     with pytest.raises(MalformedMessage, match="surprise"):
         type(message).decode(changed(message, "surprise", 1))
 
 
-SHAPES: dict[str, tuple[Message, str, Any]] = {
+SHAPES: dict[str, tuple[Document, str, Any]] = {
     "a row of weights too many": (FEEDFORWARD, "weights", [[0.0] * 25] * 3),
     "a row of weights too few": (FEEDFORWARD, "weights", [[0.0] * 25]),
     "no weights": (FEEDFORWARD, "weights", []),
@@ -414,7 +415,7 @@ def test_shapes_that_do_not_fit_are_refused(case: str) -> None:
         _unpack(decoded)
 
 
-def _unpack(message: Message) -> None:
+def _unpack(message: Document) -> None:
     if isinstance(message, FeedforwardMessage):
         message.feedforward().mean([0.0, 1.0])
     if isinstance(message, RecordMessage):
@@ -424,7 +425,7 @@ def _unpack(message: Message) -> None:
 @pytest.mark.parametrize("kind", CLASSES)
 @settings(max_examples=40)
 @given(payload=st.binary(max_size=60))
-def test_arbitrary_bytes_are_refused_as_malformed(kind: type[Message], payload: bytes) -> None:
+def test_arbitrary_bytes_are_refused_as_malformed(kind: type[Document], payload: bytes) -> None:
     with pytest.raises(MalformedMessage):
         kind.decode(payload)
 
@@ -432,7 +433,7 @@ def test_arbitrary_bytes_are_refused_as_malformed(kind: type[Message], payload: 
 @pytest.mark.parametrize("kind", CLASSES)
 @settings(max_examples=40)
 @given(document=PLAIN)
-def test_arbitrary_json_is_refused_as_malformed(kind: type[Message], document: Any) -> None:
+def test_arbitrary_json_is_refused_as_malformed(kind: type[Document], document: Any) -> None:
     with pytest.raises(MalformedMessage):
         kind.decode(json.dumps(document).encode())
 
@@ -441,7 +442,7 @@ IN_FEEDFORWARD = """robot axes axes.0 parameters basis basis.L basis.centres bas
     weights.0 standard_deviations provenance provenance.x kind task"""
 IN_RECORD = """task axes parameters parameters.x basis applied applied.0 laps laps.0 laps.0.phase
     laps.0.feedback errors errors.x context context.gains rule update"""
-WHERE: list[tuple[Message, str]] = [
+WHERE: list[tuple[Document, str]] = [
     *((FEEDFORWARD, path) for path in IN_FEEDFORWARD.split()),
     *((RECORD, path) for path in IN_RECORD.split()),
 ]
@@ -453,7 +454,7 @@ WHERE: list[tuple[Message, str]] = [
     value=PLAIN | st.lists(st.lists(st.floats(), max_size=26), max_size=3),
 )
 def test_an_arbitrary_value_anywhere_raises_nothing_else(
-    where: tuple[Message, str], value: Any
+    where: tuple[Document, str], value: Any
 ) -> None:
     message, path = where
     try:
@@ -492,7 +493,7 @@ def test_damaged_json_raises_nothing_else(where: int, byte: int, cut: int) -> No
     ],
 )
 @pytest.mark.parametrize("kind", CLASSES)
-def test_hostile_payloads_are_refused_as_malformed(kind: type[Message], payload: bytes) -> None:
+def test_hostile_payloads_are_refused_as_malformed(kind: type[Document], payload: bytes) -> None:
     with pytest.raises(MalformedMessage):
         kind.decode(payload)
 
@@ -520,7 +521,7 @@ def test_a_feedforward_of_no_axes_is_refused() -> None:
         (ENTRY, "iterations.0"),
     ],
 )
-def test_nan_is_refused_everywhere(message: Message, path: str) -> None:
+def test_nan_is_refused_everywhere(message: Document, path: str) -> None:
     value: Any = [0, {"rms_error_m": math.nan}] if path == "iterations.0" else math.nan
     with pytest.raises(MalformedMessage):
         type(message).decode(changed(message, path, value))

@@ -13,7 +13,7 @@ from tsd_casadi.state import Vector
 from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.hardware import EFFECTS, SENSOR_EFFECTS
-from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
+from tsd_clients.simulator.mujoco_plant import TIMESTEP, MujocoPlant
 from tsd_clients.simulator.state_map import StateMap
 
 
@@ -37,10 +37,12 @@ def plant_of(
     disturbances: Sequence[Disturbance] = (),
     seed: int = 0,
     start: State | None = None,
-) -> Plant:
+) -> MujocoPlant:
     simulator = MujocoSimulator(robot, hardware=effects)
     start = start or simulator.start(robot.home, 3)
-    return Plant(robot, simulator.model, start, robot.home, simulator.hardware, disturbances, seed)
+    return MujocoPlant(
+        robot, simulator.model, start, robot.home, simulator.hardware, disturbances, seed
+    )
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +51,7 @@ def torque(robot: Robot, controller: Controller) -> Vector:
     return controller.tick(robot.home, controller.command()).tau
 
 
-def measured_over(plant: Plant, torque: Vector, ticks: int) -> list[tuple[State, State]]:
+def measured_over(plant: MujocoPlant, torque: Vector, ticks: int) -> list[tuple[State, State]]:
     states = []
     for tick in range(ticks):
         states.append(plant.measure())

@@ -13,16 +13,28 @@ import pinocchio
 import pytest
 
 import tsd_casadi.repetition.repetition
-from tsd_casadi import Command, Controller, Feedforward, PeriodicBasis, Robot, Squat, State, Tick
+from tsd_casadi import (
+    Command,
+    Controller,
+    Feedforward,
+    PeriodicBasis,
+    Robot,
+    Run,
+    Squat,
+    State,
+    Tick,
+)
 from tsd_casadi import load_robot as load
 from tsd_casadi.encoding.laps import first_steady_lap
 from tsd_casadi.exceptions import InvalidValue, ParityError, RobotFileError, SimulationError
-from tsd_casadi.repetition.repetition import EXTRA_LAPS, HOLD, TIMESTEP, Gains
+from tsd_casadi.repetition.gains import Gains
+from tsd_casadi.repetition.repetition import EXTRA_LAPS, HOLD
 from tsd_casadi.repetition.run import LOG_UNITS
 from tsd_casadi.tick.format import Status, TickFormat
-from tsd_clients import MujocoSimulator, Run
+from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.disturbances import Disturbance, Push
 from tsd_clients.simulator.hardware import EFFECTS
+from tsd_clients.simulator.mujoco_plant import TIMESTEP
 from tsd_clients.simulator.simulator import START_NOISE
 from tsd_clients.simulator.state_map import StateMap
 

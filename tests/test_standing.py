@@ -13,7 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from tsd_casadi import Controller, InverseDynamics, Robot, Status, load_robot
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.robot.standing import hold, stand
+from tsd_casadi.motions.hold import hold
+from tsd_casadi.robot.standing import stand
 from tsd_casadi.tick.command import Command
 
 MINI = Path(__file__).parent / "robots" / "mini_biped" / "mini_biped.yaml"

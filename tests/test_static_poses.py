@@ -9,7 +9,7 @@ from tsd_casadi.center_of_mass.fit import StaticPose, fit_correction
 from tsd_casadi.center_of_mass.pose_design import design_poses
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_clients import ModelError, MujocoSimulator
-from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
+from tsd_clients.simulator.mujoco_plant import TIMESTEP, MujocoPlant
 from tsd_clients.simulator.static_poses import collect, true_center_of_mass, with_noise
 from tsd_experiments.beyond.center_of_mass_study import assess, by_poses_and_noise
 
@@ -60,7 +60,7 @@ def test_ground_force_is_newtons_second_law(
     simulator: MujocoSimulator, controller: Controller, robot: Robot
 ) -> None:
     # under way, where it is neither the weight nor below the centre of mass
-    plant = Plant(robot, simulator.model, robot.home, robot.home, (), (), 0)
+    plant = MujocoPlant(robot, simulator.model, robot.home, robot.home, (), (), 0)
     command = controller.command()
     command["com.reference"] = robot.home_com + np.array([0.03, 0.02, -0.05])
     coms, forces, centers = [], [], []
@@ -83,7 +83,7 @@ def test_in_the_air_there_is_no_centre_of_pressure(
 ) -> None:
     q = robot.home.q.copy()
     q[2] += 0.1
-    plant = Plant(robot, simulator.model, State(q, robot.home.v), robot.home, (), (), 0)
+    plant = MujocoPlant(robot, simulator.model, State(q, robot.home.v), robot.home, (), (), 0)
     plant.measure()
     plant.step(np.zeros(robot.n), 0.0)
     force, center = plant.ground_force()

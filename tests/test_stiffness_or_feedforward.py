@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from tsd_casadi import Controller, Robot, Squat
 from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.disturbances import Push
-from tsd_clients.simulator.mujoco_plant import Plant
+from tsd_clients.simulator.mujoco_plant import MujocoPlant
 from tsd_experiments.beyond.stiffness.stiffness_or_feedforward import StiffnessOrFeedforward
 from tsd_experiments.beyond.stiffness.stiffness_runs import PUSH_DURATION, Stiffness, Witness
 from tsd_experiments.beyond.stiffness.stiffness_sweep import end_of, highest_stable, stiffness_for
@@ -50,13 +50,13 @@ def test_witness_sees_the_ground_force_of_the_step_before(
     robot: Robot, controller: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     witness, forces = Witness(), []
-    step = Plant.step
+    step = MujocoPlant.step
 
-    def weigh(self: Plant, tau: Any, time: float) -> None:
+    def weigh(self: MujocoPlant, tau: Any, time: float) -> None:
         step(self, tau, time)
         forces.append(np.linalg.norm(self.ground_force()[0]))
 
-    monkeypatch.setattr(Plant, "step", weigh)
+    monkeypatch.setattr(MujocoPlant, "step", weigh)
     push = Push(1.5, 0.1, (0.0, 5.0, -5.0))
     run = MujocoSimulator(robot, 0.1, ["friction"]).run(
         controller, Squat(0.03, 1.0), laps=2, disturbances=[push, witness]
@@ -69,7 +69,7 @@ def test_stiffness_is_that_of_the_case(robot: Robot, controller: Controller) -> 
     case = Case(frequency=1.0, laps=2).at_stiffness(4.0)
     simulator = case.simulator(robot)
     usual = simulator.run(controller, case.motion, laps=2, gains=case.gains)
-    run = simulator.run(controller, case.motion, laps=2, corrections=[Stiffness(4.0)])
+    run = simulator.run(controller, case.motion, laps=2, compensators=[Stiffness(4.0)])
     assert run.gains == usual.gains
     assert run.log["tau"] == pytest.approx(usual.log["tau"], abs=1e-4)
 

@@ -12,10 +12,10 @@ import pytest
 import zenoh
 
 import tsd_casadi as tsd
-from tsd_casadi.document import ErrorMessage
 from tsd_casadi.exceptions import ServiceUnreachable, TwoServices
 from tsd_casadi.tick.format import TickFormat
 from tsd_casadi.wire.endpoints import session_settings
+from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.info import InfoMessage
 from tsd_casadi.wire.keys import info_key, tick_key
 from tsd_casadi.wire.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick

@@ -1,6 +1,6 @@
+from .compilation.compile_controller import compile_controller as compile_controller
 from .controller.controller import Controller as Controller
 from .controller.controller import WholeBodyController as WholeBodyController
-from .controller.controller import compile_controller as compile_controller
 from .database.database import Database as Database
 from .encoding.periodic_basis import PeriodicBasis as PeriodicBasis
 from .exceptions import TsdError as TsdError
@@ -8,6 +8,9 @@ from .formulation.inverse_dynamics import InverseDynamics as InverseDynamics
 from .learning.feedforward import Feedforward as Feedforward
 from .motions.motion import Motion as Motion
 from .motions.squat import Squat as Squat
+from .repetition.gains import Gains as Gains
+from .repetition.learn import learn as learn
+from .repetition.run import Run as Run
 from .robot.robot import Robot as Robot
 from .robot.robot import load_robot as load_robot
 from .state import State as State

@@ -1,4 +1,4 @@
-"""What all JSON messages have in common, and the body of an error."""
+"""What all JSON documents have in common: messages of the network and files."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import from_json
 
-from tsd_casadi.exceptions import MalformedMessage, TsdError
+from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.state import Matrix
 
 Finite = Annotated[float, Field(allow_inf_nan=False, ge=-1e9, le=1e9)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_.]*$", max_length=100)]
 MOST_FIELDS = 50
-AnyMessage = TypeVar("AnyMessage", bound="Message")
+AnyDocument = TypeVar("AnyDocument", bound="Document")
 
 
-class Message(BaseModel):
-    """A JSON message; unknown fields are refused."""
+class Document(BaseModel):
+    """A JSON document; unknown fields are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -28,7 +28,7 @@ class Message(BaseModel):
         return self.model_dump_json().encode()
 
     @classmethod
-    def decode(cls: type[AnyMessage], payload: bytes) -> AnyMessage:
+    def decode(cls: type[AnyDocument], payload: bytes) -> AnyDocument:
         """Read and check a message.
 
         Args:
@@ -63,23 +63,6 @@ class Message(BaseModel):
         return message
 
 
-class ErrorMessage(Message):
-    """Body of an error reply.
-
-    Attributes:
-        code: Short machine-readable name.
-        message: What was wrong, what was expected, what to do.
-    """
-
-    code: str
-    message: str
-
-    @classmethod
-    def of(cls, error: TsdError) -> ErrorMessage:
-        """The message of an error."""
-        return cls(code=error.code, message=str(error))
-
-
 def to_matrix(name: str, rows: list[list[float]], shape: tuple[int, int]) -> Matrix:
     """An array of rows, checked for its shape.
 
@@ -96,7 +79,7 @@ def to_matrix(name: str, rows: list[list[float]], shape: tuple[int, int]) -> Mat
     return np.array(rows, dtype=float)
 
 
-def json_schema(kind: type[Message]) -> str:
+def json_schema(kind: type[Document]) -> str:
     """JSON schema of a message, for the docs.
 
     Args:

@@ -17,8 +17,8 @@ from typing import Any
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.squat import Squat
+from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.learn import learn
-from tsd_casadi.repetition.repetition import Gains
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.version import __version__
@@ -26,10 +26,10 @@ from tsd_clients.console.progress import show_progress
 from tsd_clients.console.tables import console, print_goals, print_runs
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_clients.remote.remote_learner import RemoteLearner
-from tsd_clients.simulator.simulator import UNCHANGED, MujocoSimulator
+from tsd_clients.simulator.simulator import MujocoSimulator
 from tsd_clients.viewer.rendering import render_squat
+from tsd_experiments.harness.services import start_services
 from tsd_experiments.report.figures import draw_feedback, draw_tracking
-from tsd_server.service_process import start_services
 
 FREQUENCY = 0.25  # Hz
 MODEL_ERROR = 0.1

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import zenoh
 
-from tsd_casadi.controller.controller import Controller, compile_controller
+from tsd_casadi.compilation.compile_controller import compile_controller
+from tsd_casadi.controller.controller import Controller
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.version import __version__

@@ -13,9 +13,9 @@ from typing import Any
 import zenoh
 from zenoh.handlers import RingChannel
 
-from tsd_casadi.document import ErrorMessage
 from tsd_casadi.exceptions import EndpointTaken, TsdError
 from tsd_casadi.wire.endpoints import check_endpoint, configure_runtime, session_settings
+from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import alive_key
 
 JSON = zenoh.Encoding.APPLICATION_JSON

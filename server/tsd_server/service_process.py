@@ -7,23 +7,17 @@ import signal
 import socket
 import subprocess
 import sys
-import tempfile
 import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Sequence
 from queue import Empty, Queue
 
 from tsd_casadi.exceptions import TsdError
-from tsd_casadi.robot.robot import Robot
-from tsd_clients.remote.remote_controller import RemoteController
-from tsd_clients.remote.remote_learner import RemoteLearner
 
 PR_SET_PDEATHSIG = 1
 
 
 class ServiceProcess:
-    """A service started as 'tsd ROLE ...', ready when the constructor returns.
+    """A service started as 'python -m tsd_server ROLE ...', ready when the constructor returns.
 
     Attributes:
         process: The process.
@@ -34,7 +28,7 @@ class ServiceProcess:
         """Start the process and wait for its 'ready' line.
 
         Args:
-            arguments: Command line after 'tsd'.
+            arguments: Role and options, as of ``python -m tsd_server``.
             patience: How long to wait [s]; the first start compiles.
 
         Raises:
@@ -43,7 +37,7 @@ class ServiceProcess:
         """
         self.output: list[str] = []
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "tsd_cli.command_line", *arguments],
+            [sys.executable, "-m", "tsd_server", *arguments],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -109,27 +103,3 @@ def free_endpoint() -> str:
 def _die_with_parent() -> None:
     # the kernel tells the child when its parent is gone, even by SIGKILL
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
-
-
-@contextmanager
-def start_services(robot: Robot) -> Iterator[tuple[RemoteController, RemoteLearner]]:
-    """Both services on free ports with a fresh database, stopped whatever happens.
-
-    Args:
-        robot: The robot to control.
-
-    Yields:
-        Clients of the two.
-    """
-    controller_endpoint, learner_endpoint = free_endpoint(), free_endpoint()
-    with tempfile.TemporaryDirectory(prefix="tsd-services-") as folder:
-        database = str(Path(folder) / "feedforward.sqlite")
-        with (
-            ServiceProcess(
-                ["controller", "--robot", str(robot.path), "--listen", controller_endpoint]
-            ),
-            ServiceProcess(["learner", "--database", database, "--listen", learner_endpoint]),
-            RemoteController(robot.name, [controller_endpoint]) as controller,
-            RemoteLearner([learner_endpoint]) as learner,
-        ):
-            yield controller, learner

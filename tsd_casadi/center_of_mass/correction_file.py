@@ -6,12 +6,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from tsd_casadi.document import Finite, Message, Name
+from tsd_casadi.document import Document, Finite, Name
 
 MOST_LINKS = 200
 
 
-class CenterOfMassMessage(Message):
+class CenterOfMassMessage(Document):
     """The vectors of a statically equivalent serial chain; see ``static_chain``.
 
     Attributes:

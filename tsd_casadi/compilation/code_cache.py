@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.metadata
+import importlib.util
 import os
 import platform
 import shlex
@@ -21,7 +22,6 @@ import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-import casadi
 import platformdirs
 
 from tsd_casadi.exceptions import CacheNotPrivate, CompilationFailed, CompilerNotFound
@@ -105,8 +105,36 @@ def compile_cached(
     return library
 
 
+def library_key(*parts: str) -> str:
+    """Name for what was compiled on this machine from some parts.
+
+    Args:
+        parts: Fingerprints of what was compiled.
+
+    Returns:
+        Hash of the parts, flags, solver, processor and compiler.
+    """
+    try:
+        compiler = _compiler_key()
+    except CompilerNotFound:
+        compiler = ""
+    return f"{_source_key({'parts': repr(parts)})}-{compiler}"
+
+
+def verified_library(library: Path) -> Path | None:
+    """A library of the cache, or None if it is not there or damaged.
+
+    Args:
+        library: Its path.
+    """
+    return library if _is_intact(library) else None
+
+
 def _solver_folder() -> Path:
-    return Path(casadi.__file__).parent
+    spec = importlib.util.find_spec("casadi")  # where it is, without importing it
+    if spec is None or spec.origin is None:
+        raise ModuleNotFoundError("casadi", name="casadi")
+    return Path(spec.origin).parent
 
 
 def _source_key(sources: Mapping[str, str]) -> str:

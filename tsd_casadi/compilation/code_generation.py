@@ -9,6 +9,7 @@ import casadi as ca
 
 from tsd_casadi.costs.null_space_posture import DAMPING
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
+from tsd_casadi.tick.layout import QUATERNION_TOLERANCE
 
 # Bound of a row's violation, measured by DAQP in the metric of the cost, where
 # light weights on forces make a newton small.
@@ -20,8 +21,6 @@ LIMIT_TOLERANCE = 1e-6
 ITERATION_LIMIT = 400
 # The hand-written part, in native/.
 NATIVE = ("dense.h", "tick.h", "posture.c", "elimination.c", "tick.c")
-# A float32 quaternion is a unit quaternion to 1e-7.
-QUATERNION_TOLERANCE = 1e-3
 
 
 def generate_sources(problem: InverseDynamics) -> dict[str, str]:

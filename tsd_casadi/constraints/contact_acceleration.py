@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from tsd_casadi.constraints.rows import Rows
-from tsd_casadi.dynamics.unactuated_dynamics import BASE_AXES
+from tsd_casadi.constraints.rows import BASE_AXES, Rows
 
 
 def contact_acceleration(

@@ -9,8 +9,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from tsd_casadi.constraints.rows import INFINITY, Rows
-from tsd_casadi.dynamics.unactuated_dynamics import BASE_AXES
+from tsd_casadi.constraints.rows import BASE_AXES, INFINITY, Rows
 
 
 def joint_acceleration(joints: Sequence[str], limit: ca.SX, nx: int) -> Rows:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+# of a spatial vector, in the names of its rows
+BASE_AXES = ("x", "y", "z", "rx", "ry", "rz")
 # what DAQP takes for infinity
 INFINITY = 1e30
 

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
-from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
-from tsd_casadi.compilation.code_cache import compile_cached
-from tsd_casadi.compilation.code_generation import QUATERNION_TOLERANCE, generate_sources
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
-from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.command import Command
 from tsd_casadi.tick.format import TickFormat
+from tsd_casadi.tick.layout import QUATERNION_TOLERANCE
 from tsd_casadi.tick.tick import Tick
-from tsd_clients.console.progress import show_activity
 
 _Doubles = ctypes.POINTER(ctypes.c_double)
 
@@ -45,20 +39,18 @@ class Controller:
     number of simulators may take turns.
 
     Attributes:
-        problem: The QP it was compiled from, with named rows.
         format: The meaning of requests and replies.
         library: The shared library.
     """
 
-    def __init__(self, problem: InverseDynamics, library: Path) -> None:
+    def __init__(self, tick_format: TickFormat, library: Path) -> None:
         """Load a compiled problem.
 
         Args:
-            problem: The problem.
-            library: Its shared library, from ``compile_cached``.
+            tick_format: The meaning of its requests and replies.
+            library: Its shared library, from ``compile_controller``.
         """
-        self.problem = problem
-        self.format: TickFormat = problem.format
+        self.format = tick_format
         self.library = library
         self._context = ctypes.c_void_p()
         compiled = ctypes.CDLL(str(library))  # a call releases the GIL
@@ -69,7 +61,7 @@ class Controller:
         compiled.tick_run.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]
         compiled.tick_run.restype = ctypes.c_int
         self._compiled = compiled
-        lower, upper = problem.request.lower(), problem.request.upper()
+        lower, upper = tick_format.request.lower(), tick_format.request.upper()
         self._context = ctypes.c_void_p(
             compiled.tick_create(lower.ctypes.data_as(_Doubles), upper.ctypes.data_as(_Doubles))
         )
@@ -147,34 +139,3 @@ class Controller:
         return InvalidValue(
             name, value, f"a finite number from {field.lower:g} to {field.upper:g}, {field.unit}"
         )
-
-
-def compile_controller(robot: Robot, on_compile: Callable[[], None] | None = None) -> Controller:
-    """Build, compile and load the controller of a robot.
-
-    The compiled code is kept in the user's cache folder and found there next
-    time.
-
-    Args:
-        robot: The robot.
-        on_compile: Called before a compilation starts; by default a line on
-            stderr shows that it is under way.
-
-    Returns:
-        The controller.
-
-    Raises:
-        CompilerNotFound: If it is not in the cache and there is no compiler.
-        CompilationFailed: If the compiler refuses.
-        CacheNotPrivate: If somebody else could write to the cache.
-    """
-    problem = InverseDynamics(robot)
-    sources = generate_sources(problem)
-    with contextlib.ExitStack() as stack:
-
-        def show() -> None:
-            text = f"compiling the controller of {robot.name} (once, about 20 s)"
-            stack.enter_context(show_activity(text))
-
-        library = compile_cached(sources, on_compile or show)
-    return Controller(problem, library)

@@ -7,9 +7,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from tsd_casadi.constraints.rows import Rows
-
-BASE_AXES = ("x", "y", "z", "rx", "ry", "rz")
+from tsd_casadi.constraints.rows import BASE_AXES, Rows
 
 
 def unactuated_dynamics(M: ca.SX, h: ca.SX, J_c: ca.SX) -> Rows:

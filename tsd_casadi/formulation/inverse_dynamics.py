@@ -41,12 +41,12 @@ from tsd_casadi.dynamics.actuated_dynamics import actuated_dynamics
 from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
 from tsd_casadi.dynamics.unactuated_dynamics import unactuated_dynamics
 from tsd_casadi.formulation.safe_torque import safe_torque
+from tsd_casadi.formulation.tick_layouts import request_layout, tick_format
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
 from tsd_casadi.tasks.desired_acceleration import desired_acceleration, feedback_acceleration
 from tsd_casadi.tasks.make_tasks import make_tasks
 from tsd_casadi.tasks.task import Task, symmetric_matrix
-from tsd_casadi.tick.format import request_layout, tick_format
 from tsd_casadi.tick.layout import Layout
 
 

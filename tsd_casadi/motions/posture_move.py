@@ -13,9 +13,9 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio
 
+from tsd_casadi.motions.hold import hold
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.robot.robot_file import FRAME_AXES, ComTaskFile
-from tsd_casadi.robot.standing import hold
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.command import Command
 

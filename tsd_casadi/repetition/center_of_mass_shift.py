@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 
 
-class CenterOfMassShift(Correction):
+class CenterOfMassShift(Compensator):
     """Shifts the reference by the model's error of the centre of mass."""
 
     def __init__(self, correction: CenterOfMassCorrection) -> None:

@@ -17,7 +17,7 @@ from tsd_casadi.tick.tick import Tick
 
 @dataclass(frozen=True)
 class Setting:
-    """What a run is about, told to each correction at its start.
+    """What a run is about, told to each compensator at its start.
 
     Attributes:
         robot: The robot as the controller knows it.
@@ -49,7 +49,7 @@ class Moment:
         reference: Along the learned axis, relative to the middle of the motion.
         feedforward: Acceleration added along the learned axis [m/s^2].
         command: The command. What the motion sets in it, reference and
-            feedforward of the learned task, is written after all corrections
+            feedforward of the learned task, is written after all compensators
             were asked; before that it is the previous tick's.
         shift: Added to the task's position reference, (3,) [m], world axes. The
             controller's error is that to the shifted reference, the true error
@@ -73,11 +73,11 @@ class Moment:
     tau: Vector = field(default_factory=partial(np.zeros, 0))
 
 
-class Correction:
+class Compensator:
     """Does nothing; the base of what does something.
 
     Before a tick it may change ``feedforward``, ``shift`` and ``shift_rate`` of
-    the moment; after it, ``tau``. Several corrections are asked in the order of
+    the moment; after it, ``tau``. Several compensators are asked in the order of
     their list, each sees what those before it changed.
     """
 

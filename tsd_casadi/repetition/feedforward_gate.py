@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 from collections import deque
 
-from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 
 FADE = 0.2  # s
 # of squared errors: below it there is nothing to judge
@@ -33,7 +33,7 @@ NEGLIGIBLE = 1e-4**2  # m^2
 CLEARLY_WORSE = 3.0
 
 
-class FeedforwardGate(Correction):
+class FeedforwardGate(Compensator):
     """Watches one run's feedforward.
 
     Attributes:

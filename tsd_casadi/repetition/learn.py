@@ -11,15 +11,39 @@ from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.recording import Context, Recording, Rule, TaskKey
 from tsd_casadi.motions.motion import Motion
-from tsd_casadi.repetition.compensator import Correction
+from tsd_casadi.repetition.compensator import Compensator
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
-from tsd_casadi.repetition.repetition import Gains, Progress
+from tsd_casadi.repetition.gains import UNCHANGED, Gains
+from tsd_casadi.repetition.repetition import Progress
 from tsd_casadi.repetition.run import Run
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.version import __version__
-from tsd_clients.simulator.simulator import UNCHANGED, MujocoSimulator
 
 # of the error: smaller gains are not worth another repetition
 WORTHWHILE = 0.02
+
+
+class Simulator(Protocol):
+    """Something that can repeat a motion."""
+
+    @property
+    def robot(self) -> Robot:
+        """The robot as its files describe it."""
+
+    def run(
+        self,
+        controller: WholeBodyController,
+        motion: Motion,
+        *,
+        laps: int,
+        feedforward: Feedforward | None,
+        gains: Gains,
+        compensators: Sequence[Compensator],
+        seed: int,
+        transport: str,
+        progress: Progress | None,
+    ) -> Run:
+        """One repetition, from standing still to steady laps."""
 
 
 class Learned(Protocol):
@@ -49,7 +73,7 @@ class Learner(Protocol):
 
 
 def learn(
-    simulator: MujocoSimulator,
+    simulator: Simulator,
     controller: WholeBodyController,
     motions: Sequence[Motion],
     learner: Learner,
@@ -61,7 +85,7 @@ def learn(
     rule: Rule = "guarded",
     laps: int = 3,
     gains: Gains = UNCHANGED,
-    corrections: Sequence[Correction] = (),
+    compensators: Sequence[Compensator] = (),
     seed: int | Sequence[int] = 0,
     transport: str = "local",
     progress: Callable[[Motion, int], Progress | None] | None = None,
@@ -88,7 +112,7 @@ def learn(
         rule: See ``tsd_casadi.learning.recording.Recording``.
         laps: Least number of laps of each run.
         gains: Factors on the learned task's gains.
-        corrections: What else changes commands and torques.
+        compensators: What else changes commands and torques.
         seed: Of the starting posture and the sensors' noise: one for all
             repetitions, or one for each of a motion's N + 1 runs.
         transport: How the controller is reached, for the records.
@@ -132,7 +156,7 @@ def learn(
                 feedforward=feedforward,
                 gains=gains,
                 # the gate before what adds to the feedforward: it is about the borrowed one
-                corrections=[*gates, *corrections],
+                compensators=[*gates, *compensators],
                 seed=seeds[index],
                 transport=transport,
                 progress=progress(motion, index) if progress is not None else None,
@@ -174,7 +198,7 @@ def _has_converged(errors: list[float], patience: int | None) -> bool:
 
 def record_of(
     run: Run,
-    simulator: MujocoSimulator,
+    simulator: Simulator,
     controller: WholeBodyController,
     *,
     rule: Rule = "guarded",

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
@@ -15,16 +13,17 @@ from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.encoding.laps import Lap, first_steady_lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.encoding.phase_oscillator import PhaseOscillator
-from tsd_casadi.exceptions import InvalidValue, SimulationError
+from tsd_casadi.exceptions import SimulationError
 from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.motions.hold import hold
 from tsd_casadi.motions.motion import Motion, Reference
-from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
+from tsd_casadi.repetition.gains import Gains
+from tsd_casadi.repetition.plant import Plant
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.standing import hold
 from tsd_casadi.tick.format import Status
-from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
 
 HOLD = 1.0  # s
 # laps added beyond those asked for while the feedback has not settled
@@ -58,41 +57,6 @@ SINGLE_PRECISION = ("all_errors", "q", "v", "tau", "wrenches")
 Progress = Callable[[float, float], None]
 
 
-@dataclass(frozen=True)
-class Gains:
-    """Factors on the learned task's gains.
-
-    Attributes:
-        P: On the stiffness.
-        D: On the damping.
-    """
-
-    P: float = 1.0
-    D: float = 1.0
-
-    def __post_init__(self) -> None:
-        """Refuse what is no factor.
-
-        Raises:
-            InvalidValue: If one is not above 0 and at most 100.
-        """
-        for name, value in (("p scale", self.P), ("d scale", self.D)):
-            if not 0 < value <= 100:
-                raise InvalidValue(name, value, "a factor above 0, up to 100")
-
-    @classmethod
-    def critical(cls, factor: float) -> Gains:
-        """P times a factor, with D = 2 sqrt(P) still true where it was.
-
-        Args:
-            factor: On the stiffness.
-
-        Raises:
-            InvalidValue: If it is not above 0 and at most 100.
-        """
-        return cls(factor, math.sqrt(max(factor, 0.0)))
-
-
 class Repetition:
     """One run while it is under way: hold, move in laps, finish."""
 
@@ -104,18 +68,18 @@ class Repetition:
         motion: Motion,
         feedforward: Feedforward | None,
         gains: Gains,
-        corrections: Sequence[Correction],
+        compensators: Sequence[Compensator],
     ) -> None:
         """Prepare a run.
 
         Args:
             robot: The robot as the controller knows it.
-            plant: The simulated robot at its start.
+            plant: The robot at its start.
             controller: Local or remote.
             motion: What to do.
             feedforward: Learned term, or none.
             gains: Factors on the learned task's gains.
-            corrections: What else changes commands and torques.
+            compensators: What else changes commands and torques.
 
         Raises:
             SimulationError: If controller or feedforward are for something else.
@@ -163,25 +127,25 @@ class Repetition:
         self._lap_starts: list[int] = []
         self._fell = False
         self._steady = False
-        self._corrections = corrections
+        self._compensators = compensators
         setting = Setting(
             robot=robot,
             controller=controller,
             task=self._task,
             component=self._component,
             axis=self._axis,
-            dt=TIMESTEP,
+            dt=plant.period,
         )
-        for correction in corrections:
-            correction.start(setting)
+        for compensator in compensators:
+            compensator.start(setting)
 
     @property
     def _time(self) -> float:
-        return TIMESTEP * len(self._rows)
+        return self._plant.period * len(self._rows)
 
     def hold(self, progress: Progress | None) -> None:
         """Stand in the middle of the motion; the feedforward is that of the starting phase."""
-        ticks = round(HOLD / TIMESTEP)
+        ticks = round(HOLD / self._plant.period)
         feedforward = float(self._feedforward.mean([self._motion.start_phase])[0, 0])
         for tick in range(ticks):
             self._tick(-1, Reference(0.0, 0.0, 0.0), feedforward)
@@ -243,14 +207,14 @@ class Repetition:
     def _feedforward_in_the_end(self) -> Feedforward:
         """The one of the measured laps: none if the gate dropped it."""
         feedforward = self._feedforward
-        gates = [item for item in self._corrections if isinstance(item, FeedforwardGate)]
+        gates = [item for item in self._compensators if isinstance(item, FeedforwardGate)]
         if any(gate.dropped_at is not None for gate in gates):
             return Feedforward.zero(feedforward.axes, feedforward.basis)
         return feedforward
 
     def _lap(self) -> None:
         start = len(self._rows)
-        lap, step = self._oscillator.lap, self._oscillator.omega * TIMESTEP
+        lap, step = self._oscillator.lap, self._oscillator.omega * self._plant.period
         # the whole lap's feedforward at once: a matrix product, not 4000
         count = int(2 * np.pi / step) + 2
         ahead = self._oscillator.phase + step * np.arange(count)
@@ -259,7 +223,7 @@ class Repetition:
         while self._oscillator.lap == lap and not self._fell:
             reference = self._motion.reference(self._oscillator.elapsed)
             self._tick(lap, reference, float(feedforward[tick]))
-            self._oscillator.advance(TIMESTEP)
+            self._oscillator.advance(self._plant.period)
             tick += 1
         if not self._fell:
             self._lap_starts.append(start)
@@ -281,14 +245,14 @@ class Repetition:
         moment = Moment(
             time, self._oscillator.phase, lap, state, reference, feedforward, self._command
         )
-        for correction in self._corrections:
-            correction.before(moment)
+        for compensator in self._compensators:
+            compensator.before(moment)
         self._write(moment)
         before = perf_counter()
         tick = self._controller.tick(state, self._command)
         after = perf_counter()
         moment.tick, moment.tau = tick, tick.tau
-        if self._corrections:
+        if self._compensators:
             self._correct_torque(moment)
         wanted = self._middle[axis] + reference.x
         error = tick.error
@@ -315,16 +279,16 @@ class Repetition:
         plant.step(moment.tau, time)
 
     def _correct_torque(self, moment: Moment) -> None:
-        """Ask the corrections; no motor gives more than its limit."""
+        """Ask the compensators; no motor gives more than its limit."""
         # a copy: the tick's answer stays what the controller said
         moment.tau = moment.tau.copy()
-        for correction in self._corrections:
-            correction.after(moment)
+        for compensator in self._compensators:
+            compensator.after(moment)
         limit = self._robot.torque_limit
         moment.tau = np.clip(moment.tau, -limit, limit)
 
     def _write(self, moment: Moment) -> None:
-        """Reference, feedforward and corrections into the command."""
+        """Reference, feedforward and compensators into the command."""
         component, reference = self._component, moment.reference
         np.add(self._middle, moment.shift, out=self._x)
         self._x[self._world_axis] += reference.x

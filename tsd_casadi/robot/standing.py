@@ -20,9 +20,7 @@ import pinocchio
 
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file import ComTaskFile
 from tsd_casadi.state import Matrix, State, Vector
-from tsd_casadi.tick.command import Command
 
 # alpha: larger steps overshoot where the knees are nearly straight
 HOMING = 0.3
@@ -92,20 +90,3 @@ def _residual(
     errors.append(com - data.com[0])
     jacobians.append(J_com)
     return np.concatenate(errors), np.vstack(jacobians)
-
-
-def hold(command: Command, robot: Robot, posture: State) -> None:
-    """Write a posture into a command: every task's reference and the joints'.
-
-    Args:
-        command: The command to change.
-        robot: Its robot.
-        posture: What to hold.
-    """
-    for task in robot.description.tasks:
-        if isinstance(task, ComTaskFile):
-            command[f"{task.name}.reference"] = robot.center_of_mass(posture.q)
-        else:
-            position, quaternion = robot.frame_placement(task.frame, posture.q)
-            command[f"{task.name}.reference"] = np.concatenate((position, quaternion))
-    command["posture.q_ref"] = posture.q[7:]

@@ -17,6 +17,8 @@ from tsd_casadi.exceptions import UnknownField
 from tsd_casadi.state import Vector
 
 HUGE = 1e9
+# A float32 quaternion is a unit quaternion to 1e-7.
+QUATERNION_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True)

@@ -7,14 +7,14 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from tsd_casadi.document import Finite, Message, to_matrix
+from tsd_casadi.document import Document, Finite, to_matrix
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.learning.feedforward import Feedforward, Kind
 from tsd_casadi.motions.parameter import unit_of
 
 
-class QuantityMessage(Message):
+class QuantityMessage(Document):
     """A number with its unit."""
 
     value: Finite
@@ -44,7 +44,7 @@ def plain_parameters(task: str, parameters: dict[str, QuantityMessage]) -> dict[
     return {name: quantity.value for name, quantity in parameters.items()}
 
 
-class BasisMessage(Message):
+class BasisMessage(Document):
     """A periodic basis, eqs. (basis_functions) and (psi) of the paper.
 
     Attributes:
@@ -78,7 +78,7 @@ class BasisMessage(Message):
         return basis
 
 
-class FeedforwardMessage(Message):
+class FeedforwardMessage(Document):
     """A feedforward term: the project's most public contract.
 
     Attributes:

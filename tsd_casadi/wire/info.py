@@ -6,14 +6,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from tsd_casadi.document import Message
+from tsd_casadi.document import Document
 from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.tick.format import STATUS_MEANING, TickFormat
 from tsd_casadi.tick.layout import Field as LayoutField
 from tsd_casadi.tick.layout import Layout
 
 
-class FieldMessage(Message):
+class FieldMessage(Document):
     """One field of a layout.
 
     Attributes:
@@ -63,7 +63,7 @@ def _layout(fields: list[FieldMessage]) -> Layout:
     return layout
 
 
-class InfoMessage(Message):
+class InfoMessage(Document):
     """What a controller is: enough to pack a tick without this software.
 
     Attributes:

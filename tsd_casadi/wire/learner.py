@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from tsd_casadi.document import Finite, Message, Name, to_matrix
+from tsd_casadi.document import Document, Finite, Name, to_matrix
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.learning.contraction import Contraction
@@ -16,7 +16,7 @@ from tsd_casadi.learning.recording import Context, Recording, Rule, TaskKey
 from tsd_casadi.wire.feedforward import BasisMessage, QuantityMessage
 
 
-class LapMessage(Message):
+class LapMessage(Document):
     """One steady lap.
 
     Attributes:
@@ -66,7 +66,7 @@ class LapMessage(Message):
         )
 
 
-class ContextMessage(Message):
+class ContextMessage(Document):
     """Circumstances of a recording."""
 
     formulation: Annotated[str, Field(max_length=100)]
@@ -75,7 +75,7 @@ class ContextMessage(Message):
     version: Annotated[str, Field(max_length=100)]
 
 
-class RecordMessage(Message):
+class RecordMessage(Document):
     """The steady laps of one repetition.
 
     Attributes:
@@ -146,7 +146,7 @@ class RecordMessage(Message):
         )
 
 
-class EntryMessage(Message):
+class EntryMessage(Document):
     """A database entry without its weights.
 
     Attributes:
@@ -197,7 +197,7 @@ class EntryMessage(Message):
         )
 
 
-class RecordReply(Message):
+class RecordReply(Document):
     """What came of a recording.
 
     Attributes:
@@ -209,7 +209,7 @@ class RecordReply(Message):
     notes: list[str]
 
 
-class DatabaseReply(Message):
+class DatabaseReply(Document):
     """What is known.
 
     Attributes:

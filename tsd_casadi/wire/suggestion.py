@@ -6,12 +6,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from tsd_casadi.document import Finite, Message
+from tsd_casadi.document import Document, Finite
 from tsd_casadi.generalization.suggestion import Suggestion
 from tsd_casadi.wire.feedforward import QuantityMessage, plain_parameters
 
 
-class SuggestionMessage(Message):
+class SuggestionMessage(Document):
     """The task parameters whose repetition would teach most.
 
     Attributes:

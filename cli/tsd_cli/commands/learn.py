@@ -13,8 +13,8 @@ from tsd_casadi.exceptions import InvalidValue, TsdError
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
+from tsd_casadi.repetition.gains import Gains
 from tsd_casadi.repetition.learn import learn as learn_motions
-from tsd_casadi.repetition.repetition import Gains
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_casadi.wire.endpoints import LEARNER
@@ -43,7 +43,7 @@ from tsd_cli.commands.options import (
     make_motion,
     make_simulator,
     open_controller,
-    read_corrections,
+    read_compensators,
 )
 from tsd_cli.commands.output import check_writable, label_of, put_out
 from tsd_cli.commands.region import parse_region
@@ -135,7 +135,7 @@ def learn(
     wanted.check(loaded)
     if iterations < 1:
         raise InvalidValue("iterations", iterations, "at least 1")
-    corrections = read_corrections(loaded, com_correction)
+    compensators = read_compensators(loaded, com_correction)
     simulator = make_simulator(loaded, model_error, link_error, link_seed, hardware)
     if region and not auto:
         raise InvalidValue("--region", ", ".join(region), "--auto with it")
@@ -174,7 +174,7 @@ def learn(
             rule=rule.value,
             laps=laps,
             gains=Gains(p_scale, d_scale),
-            corrections=corrections,
+            compensators=compensators,
             seed=seed,
             transport=controller.value,
             progress=progress_of,

@@ -11,12 +11,13 @@ from typing import Annotated
 import typer
 
 from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
-from tsd_casadi.controller.controller import WholeBodyController, compile_controller
+from tsd_casadi.compilation.compile_controller import compile_controller
+from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
-from tsd_casadi.repetition.compensator import Correction
+from tsd_casadi.repetition.compensator import Compensator
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.wire.endpoints import CONTROLLER, LEARNER
 from tsd_clients.remote.remote_controller import RemoteController
@@ -159,8 +160,8 @@ def make_motion(name: str, amplitude: float, frequency: float, height: float) ->
     return Squat(amplitude, frequency, height)
 
 
-def read_corrections(robot: Robot, file: Path | None) -> list[Correction]:
-    """The corrections of the options.
+def read_compensators(robot: Robot, file: Path | None) -> list[Compensator]:
+    """The compensators of the options.
 
     Args:
         robot: The robot.

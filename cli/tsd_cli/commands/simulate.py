@@ -10,7 +10,7 @@ import typer
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
-from tsd_casadi.repetition.repetition import Gains
+from tsd_casadi.repetition.gains import Gains
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_casadi.wire.endpoints import LEARNER
 from tsd_cli.commands.options import (
@@ -37,7 +37,7 @@ from tsd_cli.commands.options import (
     make_motion,
     make_simulator,
     open_controller,
-    read_corrections,
+    read_compensators,
 )
 from tsd_cli.commands.output import check_writable, label_of, put_out
 from tsd_clients.console.progress import show_progress
@@ -78,10 +78,10 @@ def simulate(
     loaded = load_robot(robot)
     wanted = make_motion(motion, amplitude, frequency, height)
     wanted.check(loaded)
-    corrections = read_corrections(loaded, com_correction)
+    compensators = read_compensators(loaded, com_correction)
     gate = FeedforwardGate()
     if feedforward is FeedforwardChoice.GENERALISED:
-        corrections.append(gate)
+        compensators.append(gate)
     learned = _ask_feedforward(feedforward, loaded, wanted, connect)
     simulator = make_simulator(loaded, model_error, link_error, link_seed, hardware)
     with (
@@ -94,7 +94,7 @@ def simulate(
             laps=laps,
             feedforward=learned,
             gains=Gains(p_scale, d_scale),
-            corrections=corrections,
+            compensators=compensators,
             seed=seed,
             transport=controller.value,
             progress=progress,

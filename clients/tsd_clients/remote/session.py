@@ -8,7 +8,6 @@ from typing import Any
 
 import zenoh
 
-from tsd_casadi.document import ErrorMessage
 from tsd_casadi.exceptions import (
     MalformedMessage,
     ServiceError,
@@ -16,6 +15,7 @@ from tsd_casadi.exceptions import (
     TwoServices,
 )
 from tsd_casadi.wire.endpoints import check_endpoint, configure_runtime, session_settings
+from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import alive_key
 
 # how long a service may take to appear after a client started

@@ -17,10 +17,11 @@ from tsd_clients.simulator.state_map import StateMap
 TIMESTEP = 1e-3  # s
 
 
-class Plant:
-    """One simulated robot during one run.
+class MujocoPlant:
+    """One simulated robot during one repetition.
 
     Attributes:
+        period: Control period, one step of the simulation [s].
         com: True centre of mass of the last measurement, (3,) [m], world frame.
     """
 
@@ -45,6 +46,7 @@ class Plant:
             disturbances: What pushes it.
             seed: Of the sensor noise.
         """
+        self.period = TIMESTEP
         self._model = model
         self._data = mujoco.MjData(model)
         self._state_map = StateMap(robot, model)

@@ -12,15 +12,16 @@ from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
-from tsd_casadi.repetition.compensator import Correction
-from tsd_casadi.repetition.repetition import Gains, Progress, Repetition
+from tsd_casadi.repetition.compensator import Compensator
+from tsd_casadi.repetition.gains import Gains
+from tsd_casadi.repetition.repetition import Progress, Repetition
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.hardware import add_to_model, check_effects
 from tsd_clients.simulator.model_error import ModelError
-from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
+from tsd_clients.simulator.mujoco_plant import TIMESTEP, MujocoPlant
 from tsd_clients.simulator.parity import check_parity
 from tsd_clients.simulator.state_map import StateMap
 
@@ -110,7 +111,7 @@ class MujocoSimulator:
         laps: int = 3,
         feedforward: Feedforward | None = None,
         gains: Gains = UNCHANGED,
-        corrections: Sequence[Correction] = (),
+        compensators: Sequence[Compensator] = (),
         disturbances: Sequence[Disturbance] = (),
         seed: int = 0,
         transport: str = "local",
@@ -128,7 +129,7 @@ class MujocoSimulator:
             laps: Least number of laps.
             feedforward: Learned term; none by default.
             gains: Factors on the learned task's gains.
-            corrections: What else changes commands and torques.
+            compensators: What else changes commands and torques.
             disturbances: What pushes the robot.
             seed: Of the starting randomness and of the sensors' noise.
             transport: How the controller is reached, for the records.
@@ -145,7 +146,7 @@ class MujocoSimulator:
         if laps < 2:
             raise InvalidValue("laps", laps, "at least 2, the first one settles")
         middle = motion.middle(self.robot)
-        plant = Plant(
+        plant = MujocoPlant(
             self.robot,
             self.model,
             self.start(middle, seed),
@@ -155,7 +156,7 @@ class MujocoSimulator:
             seed,
         )
         repetition = Repetition(
-            self.robot, plant, controller, motion, feedforward, gains, corrections
+            self.robot, plant, controller, motion, feedforward, gains, compensators
         )
         repetition.hold(progress)
         repetition.move(laps, progress)

@@ -24,7 +24,7 @@ from tsd_casadi.repetition.repetition import FALL_HEIGHT, Progress
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.format import Status
-from tsd_clients.simulator.mujoco_plant import TIMESTEP, Plant
+from tsd_clients.simulator.mujoco_plant import TIMESTEP, MujocoPlant
 from tsd_clients.simulator.simulator import MujocoSimulator
 
 SETTLE, AVERAGE = 0.6, 0.2  # s, after each move
@@ -76,7 +76,7 @@ def collect(
     robot = simulator.robot
     postures = design_poses(robot, count, seed=seed)
     start = simulator.start(robot.home, seed)
-    plant = Plant(robot, simulator.model, start, robot.home, simulator.hardware, (), seed)
+    plant = MujocoPlant(robot, simulator.model, start, robot.home, simulator.hardware, (), seed)
     standing = _Standing(robot, plant, controller, inclinometer, seed)
     measured: dict[int, StaticPose | None] = {}
     for index in short_way(robot, postures):
@@ -125,7 +125,7 @@ class _Standing:
     def __init__(
         self,
         robot: Robot,
-        plant: Plant,
+        plant: MujocoPlant,
         controller: WholeBodyController,
         inclinometer: float | None,
         seed: int,

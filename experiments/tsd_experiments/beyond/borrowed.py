@@ -108,7 +108,7 @@ def replay_gated(
     outcome = replay_case(used, robot, controller, weights=weights, kind="nearest", label="ungated")
     gate = FeedforwardGate()
     gated = replay_case(
-        used, robot, controller, weights=weights, kind="nearest", label="gated", corrections=[gate]
+        used, robot, controller, weights=weights, kind="nearest", label="gated", compensators=[gate]
     )
     gated.rows[0]["dropped_at"] = gate.dropped_at
     return Outcome(outcome.rows + gated.rows, {**outcome.arrays, **gated.arrays})

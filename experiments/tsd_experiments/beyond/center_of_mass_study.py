@@ -157,7 +157,7 @@ def learn_with(
         The runs, one more than iterations; their ``true_rms_error`` is the
         measure, ``rms_error`` what the controller sees.
     """
-    corrections = [] if correction is None else [CenterOfMassShift(correction)]
+    compensators = [] if correction is None else [CenterOfMassShift(correction)]
     with tempfile.TemporaryDirectory() as folder, Database(Path(folder) / "study") as database:
         return learn(
             simulator,
@@ -166,7 +166,7 @@ def learn_with(
             database,
             iterations=iterations,
             rule="plain",
-            corrections=corrections,
+            compensators=compensators,
             seed=seed,
         )
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tsd_casadi.controller.controller import compile_controller
+from tsd_casadi.compilation.compile_controller import compile_controller
 from tsd_casadi.database.database import Database
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.identification.identified_robot import write_robot
@@ -26,7 +26,7 @@ from tsd_casadi.identification.inertias import (
 from tsd_casadi.identification.physical_consistency import PARAMETERS
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.iterative_learning import update_weights
-from tsd_casadi.repetition.compensator import Correction
+from tsd_casadi.repetition.compensator import Compensator
 from tsd_casadi.repetition.learn import learn, record_of
 from tsd_experiments.comparison.baselines.disturbance_observer import (
     DisturbanceObserver,
@@ -121,7 +121,7 @@ def integral(bench: Bench) -> Alternative:
     Args:
         bench: Where it is prepared.
     """
-    return Alternative(bench.controller, corrections=[IntegralAction()])
+    return Alternative(bench.controller, compensators=[IntegralAction()])
 
 
 def stiff_integral(bench: Bench) -> Alternative:
@@ -131,7 +131,7 @@ def stiff_integral(bench: Bench) -> Alternative:
         bench: Where it is prepared.
     """
     Ki = math.prod(_gains(bench)) / 2
-    return Alternative(bench.controller, corrections=[IntegralAction(Ki)])
+    return Alternative(bench.controller, compensators=[IntegralAction(Ki)])
 
 
 def observer(bench: Bench) -> Alternative:
@@ -140,7 +140,7 @@ def observer(bench: Bench) -> Alternative:
     Args:
         bench: Where it is prepared.
     """
-    return Alternative(bench.controller, corrections=[DisturbanceObserver()])
+    return Alternative(bench.controller, compensators=[DisturbanceObserver()])
 
 
 def fast_observer(bench: Bench) -> Alternative:
@@ -151,7 +151,7 @@ def fast_observer(bench: Bench) -> Alternative:
     """
     _, D = _gains(bench)
     bandwidth = usual_bandwidth(bench.robot, D, crossover=1.0)
-    return Alternative(bench.controller, corrections=[DisturbanceObserver(bandwidth)])
+    return Alternative(bench.controller, compensators=[DisturbanceObserver(bandwidth)])
 
 
 def constant(bench: Bench) -> Alternative:
@@ -216,7 +216,7 @@ def joint_torque(bench: Bench) -> Alternative:
     learned = learn_torque(bench)
     return Alternative(
         bench.controller,
-        corrections=[LearnedTorque(learned)],
+        compensators=[LearnedTorque(learned)],
         numbers_learned=learned.weights.size,
         repetitions=bench.iterations,
     )
@@ -277,26 +277,26 @@ def _gains(bench: Bench) -> tuple[float, float]:
     return P * factors.P, D * factors.D
 
 
-def _observed(bench: Bench, *others: Correction) -> Observations:
+def _observed(bench: Bench, *others: Compensator) -> Observations:
     recorder = MotionRecorder()
     run = bench.simulator.run(
         bench.controller,
         bench.motion,
         gains=bench.gains,
-        corrections=[*others, recorder],
+        compensators=[*others, recorder],
         seed=bench.seed,
     )
     return observe(run, recorder)
 
 
-def _recompiled(bench: Bench, found: Identified, *corrections: Correction) -> Alternative:
+def _recompiled(bench: Bench, found: Identified, *compensators: Compensator) -> Alternative:
     with tempfile.TemporaryDirectory() as folder:
         robot = write_robot(bench.robot, found.inertias, Path(folder))
         controller = compile_controller(robot, on_compile=lambda: None)
-    friction = 2 * bench.robot.n if corrections else 0
+    friction = 2 * bench.robot.n if compensators else 0
     return Alternative(
         controller,
-        corrections=corrections,
+        compensators=compensators,
         numbers_learned=PARAMETERS * len(found.inertias) + friction,
         repetitions=1,
     )

@@ -17,12 +17,12 @@ import numpy as np
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.motions.squat import Squat
-from tsd_casadi.repetition.repetition import Gains
+from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.model_error import ModelError
-from tsd_clients.simulator.simulator import UNCHANGED, MujocoSimulator
+from tsd_clients.simulator.simulator import MujocoSimulator
 from tsd_experiments.comparison.alternative_methods import METHODS
 from tsd_experiments.comparison.bench import Alternative, Bench
 from tsd_experiments.comparison.generalized_methods import GENERALISED
@@ -181,7 +181,7 @@ def drive(
         squat,
         feedforward=alternative.feedforward,
         gains=scenario.gains,
-        corrections=alternative.corrections,
+        compensators=alternative.compensators,
         disturbances=disturbances,
         seed=scenario.seed,
     )

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
-from tsd_casadi.repetition.compensator import Correction
-from tsd_casadi.repetition.repetition import Gains
+from tsd_casadi.repetition.compensator import Compensator
+from tsd_casadi.repetition.gains import Gains
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.simulator.simulator import MujocoSimulator
 
@@ -49,13 +49,13 @@ class Alternative:
     Attributes:
         controller: Nominal or identified.
         feedforward: Along the learned axis.
-        corrections: What else it adds.
+        compensators: What else it adds.
         numbers_learned: How many numbers it takes from data.
         repetitions: How many repetitions it took them from.
     """
 
     controller: WholeBodyController
     feedforward: Feedforward | None = None
-    corrections: Sequence[Correction] = ()
+    compensators: Sequence[Compensator] = ()
     numbers_learned: int = 0
     repetitions: int = 0

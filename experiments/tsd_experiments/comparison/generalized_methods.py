@@ -54,7 +54,7 @@ def generalised_torque(benches: Sequence[Bench], asked: Motion) -> Alternative:
     torques = generalise_torques(asked.name, learned, asked.parameters)
     return Alternative(
         benches[0].controller,
-        corrections=[LearnedTorque(torques)],
+        compensators=[LearnedTorque(torques)],
         numbers_learned=sum(item.weights.size for item in learned),
         repetitions=sum(bench.iterations for bench in benches),
     )

@@ -17,9 +17,9 @@ from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.feedforward import Feedforward, Kind
 from tsd_casadi.learning.recording import Rule
 from tsd_casadi.motions.squat import Squat
-from tsd_casadi.repetition.compensator import Correction
+from tsd_casadi.repetition.compensator import Compensator
+from tsd_casadi.repetition.gains import Gains
 from tsd_casadi.repetition.learn import Learner, learn
-from tsd_casadi.repetition.repetition import Gains
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Vector
@@ -128,7 +128,7 @@ def learn_case(
     first: Sequence[float] | None = None,
     seeds: Sequence[int] | None = None,
     learner: Learner | None = None,
-    corrections: Sequence[Correction] = (),
+    compensators: Sequence[Compensator] = (),
     transport: str = "local",
 ) -> Outcome:
     """Learn one case from nothing, or from given weights.
@@ -142,7 +142,7 @@ def learn_case(
         first: Weights to start from, (L,) [m/s^2].
         seeds: One for each of the N + 1 runs; the case's for all by default.
         learner: Where to record; a database that is thrown away by default.
-        corrections: What else changes commands and torques.
+        compensators: What else changes commands and torques.
         transport: How the controller is reached.
 
     Returns:
@@ -163,7 +163,7 @@ def learn_case(
                 first=first,
                 seeds=seeds,
                 learner=database,
-                corrections=corrections,
+                compensators=compensators,
                 transport=transport,
             )
     from tsd_casadi.exceptions import SimulationError
@@ -194,7 +194,7 @@ def learn_case(
             laps=case.laps,
             gains=case.gains,
             first=None if first is None else feedforward_of(case, robot, first, "nearest"),
-            corrections=corrections,
+            compensators=compensators,
             seed=case.seed if seeds is None else seeds,
             transport=transport,
             on_run=keep,
@@ -219,7 +219,7 @@ def replay_case(
     weights: Sequence[float] | None,
     kind: Kind = "learned",
     label: str = "replay",
-    corrections: Sequence[Correction] = (),
+    compensators: Sequence[Compensator] = (),
     disturbances: Sequence[Disturbance] = (),
     transport: str = "local",
 ) -> Outcome:
@@ -232,7 +232,7 @@ def replay_case(
         weights: (L,) [m/s^2]; None for no feedforward.
         kind: Where the weights come from; 'constant' uses their mean only.
         label: Name of the run.
-        corrections: What else changes commands and torques.
+        compensators: What else changes commands and torques.
         disturbances: What pushes the robot.
         transport: How the controller is reached.
 
@@ -248,7 +248,7 @@ def replay_case(
         laps=case.laps,
         feedforward=feedforward,
         gains=case.gains,
-        corrections=corrections,
+        compensators=compensators,
         disturbances=disturbances,
         seed=case.seed,
         transport=transport,

@@ -19,14 +19,15 @@ from zipfile import BadZipFile
 import mujoco
 import numpy as np
 
-from tsd_casadi.controller.controller import Controller, compile_controller
+from tsd_casadi.compilation.compile_controller import compile_controller
+from tsd_casadi.controller.controller import Controller
 from tsd_casadi.exceptions import SimulationError, TsdError
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_casadi.state import Vector
 from tsd_casadi.version import __version__
 from tsd_experiments.harness.case import Outcome
 from tsd_experiments.harness.duration import Span
-from tsd_server.service_process import start_services
+from tsd_experiments.harness.services import start_services
 
 
 @dataclass(frozen=True)

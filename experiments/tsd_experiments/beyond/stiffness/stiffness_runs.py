@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.repetition import HOLD
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
@@ -29,7 +29,7 @@ BISECTIONS = 3
 END = 1.0
 
 
-class Stiffness(Correction):
+class Stiffness(Compensator):
     """P times a factor of any size, with the damping ratio kept."""
 
     def __init__(self, factor: float) -> None:
@@ -248,7 +248,7 @@ def _run(
         laps=case.laps,
         feedforward=None if weights is None else feedforward_of(case, robot, weights, "learned"),
         gains=case.gains,
-        corrections=[Stiffness(factor)],
+        compensators=[Stiffness(factor)],
         disturbances=[*disturbances, witness],
         seed=case.seed,
     )

@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.tick.format import Status
 
@@ -61,7 +61,7 @@ def usual_bandwidth(robot: Robot, D: float, crossover: float = 0.5) -> float:
     return bandwidth
 
 
-class DisturbanceObserver(Correction):
+class DisturbanceObserver(Compensator):
     """Adds the observed disturbance, from the first tick of the hold on.
 
     Attributes:

@@ -19,7 +19,7 @@ import math
 import numpy as np
 import pinocchio
 
-from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.robot.robot_file import FRAME_AXES
 from tsd_casadi.state import Vector
 
@@ -31,7 +31,7 @@ FASTEST_TURN = 8.0  # rad/s^2
 FASTEST_SHIFT = 1.0  # m/s^2
 
 
-class Excitation(Correction):
+class Excitation(Compensator):
     """Adds sways to the references of frame tasks and to the centre of mass."""
 
     def start(self, setting: Setting) -> None:

@@ -6,12 +6,12 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.identification.inertias import Friction
-from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.robot.robot_file import FRAME_AXES, ComTaskFile
 from tsd_casadi.state import Matrix, Vector
 
 
-class FrictionFeedforward(Correction):
+class FrictionFeedforward(Compensator):
     r"""Adds the torque that the joints' friction will take, from the wanted motion.
 
     The joint velocities are those that the commanded task velocities ask for,

@@ -9,7 +9,7 @@ which is stable for :math:`K_i < P D` (Routh).
 from __future__ import annotations
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.tick.format import Status
 
 # of the Routh limit P D: three equal poles where D^2 = 3 P, a damping ratio of
@@ -18,7 +18,7 @@ ROUTH_SHARE = 1 / 9
 LIMIT = 5.0  # m/s^2, half of gravity
 
 
-class IntegralAction(Correction):
+class IntegralAction(Compensator):
     """Adds the integral of the error, from the first tick of the hold on.
 
     Attributes:

@@ -24,11 +24,11 @@ from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.motions.motion import Motion
-from tsd_casadi.repetition.compensator import Correction, Moment, Setting
-from tsd_casadi.repetition.repetition import Gains
+from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
+from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.state import Matrix, Vector
-from tsd_clients.simulator.simulator import UNCHANGED, MujocoSimulator
+from tsd_clients.simulator.simulator import MujocoSimulator
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class TorqueFeedforward:
         return self.basis.evaluate(phase, self.weights)
 
 
-class FeedbackTorque(Correction):
+class FeedbackTorque(Compensator):
     """Records which part of the torques is feedback.
 
     At every tick it asks the controller a second time, at the same state and
@@ -97,7 +97,7 @@ class FeedbackTorque(Correction):
         self.torques.append(moment.tick.tau - without.tau)
 
 
-class LearnedTorque(Correction):
+class LearnedTorque(Compensator):
     """Adds a torque feedforward."""
 
     def __init__(self, feedforward: TorqueFeedforward) -> None:
@@ -167,7 +167,7 @@ def learn_joint_torques(
             motion,
             laps=laps,
             gains=gains,
-            corrections=[recorded, LearnedTorque(learned)],
+            compensators=[recorded, LearnedTorque(learned)],
             seed=seed,
         )
         learned = add_feedback(learned, run, recorded)

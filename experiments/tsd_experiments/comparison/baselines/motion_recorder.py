@@ -13,7 +13,7 @@ import numpy as np
 
 from tsd_casadi.exceptions import SimulationError
 from tsd_casadi.identification.inertias import Observations
-from tsd_casadi.repetition.compensator import Correction, Moment, Setting
+from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.state import Matrix, Vector
 
@@ -21,7 +21,7 @@ BINS = 200  # of a lap
 HARMONICS = 10  # of the motion, what lies above is noise
 
 
-class MotionRecorder(Correction):
+class MotionRecorder(Compensator):
     """Keeps measured states and commanded torques; must be the last correction.
 
     Attributes:

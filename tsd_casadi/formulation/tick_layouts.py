@@ -1,0 +1,162 @@
+"""What a tick's request and reply hold, field by field, for people and on the wire."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tsd_casadi.formulation.contact_fields import contact_fields
+from tsd_casadi.robot.robot import Robot
+from tsd_casadi.tasks.task import Task
+from tsd_casadi.tick.format import TickFormat
+from tsd_casadi.tick.layout import Field, Layout
+
+
+def tick_format(
+    robot: Robot, tasks: Sequence[Task], request: Layout, row_names: tuple[str, ...]
+) -> TickFormat:
+    """Put together what is known of a problem's request and reply.
+
+    Args:
+        robot: The robot.
+        tasks: The Cartesian tasks.
+        request: Layout of the request.
+        row_names: Names of the QP's rows.
+    """
+    return TickFormat(
+        robot=robot.name,
+        joints=tuple(robot.joint_names),
+        contacts=tuple(contact.name for contact in robot.description.contacts),
+        axes=tuple((task.name, axis) for task in tasks for axis in task.axes),
+        row_names=row_names,
+        request=request,
+        reply=reply_layout(robot, tasks, row_names),
+    )
+
+
+def request_layout(robot: Robot, tasks: Sequence[Task]) -> Layout:
+    """Layout of state and command.
+
+    Everything a user may change between two ticks is in here, so that the
+    compiled function has no memory.
+
+    Args:
+        robot: The robot, for sizes and defaults.
+        tasks: The Cartesian tasks.
+
+    Returns:
+        Fields q, v, then tasks, contacts, posture, weights and limits.
+    """
+    state = (
+        Field(
+            "q",
+            robot.nq,
+            "m, 1, rad",
+            "base position (world), base quaternion xyzw, joints",
+            default=tuple(robot.home.q),
+            unit_quaternion=3,
+        ),
+        Field(
+            "v",
+            robot.nv,
+            "m/s, rad/s",
+            "base linear and angular velocity (base frame), joints",
+            default=tuple(robot.home.v),
+        ),
+    )
+    task_fields = [field for task in tasks for field in task.fields(robot)]
+    contacts = [
+        field for contact in robot.description.contacts for field in contact_fields(contact, robot)
+    ]
+    return Layout((*state, *task_fields, *contacts, *_joint_fields(robot)))
+
+
+def _joint_fields(robot: Robot) -> tuple[Field, ...]:
+    n = robot.n
+    posture = robot.description.posture
+    return (
+        Field("posture.q_ref", n, "rad", "joint angles", default=tuple(robot.home.q[7:])),
+        Field("posture.P", n, "1/s^2", "stiffness P_q", lower=0.0, default=(posture.P,) * n),
+        Field("posture.D", n, "1/s", "damping D_q", lower=0.0, default=(posture.D,) * n),
+        Field(
+            "posture.W",
+            robot.nv,
+            "1",
+            "diagonal of W_q, base and joints",
+            lower=0.0,
+            default=(posture.W,) * robot.nv,
+        ),
+        Field(
+            "regularization.acceleration",
+            1,
+            "1",
+            "weight of all accelerations about zero",
+            lower=0.0,
+            default=(robot.description.regularization.acceleration,),
+        ),
+        Field(
+            "limits.torque",
+            n,
+            "N m",
+            "bound of |tau|",
+            lower=0.0,
+            default=tuple(robot.torque_limit),
+        ),
+        Field(
+            "limits.acceleration",
+            n,
+            "rad/s^2",
+            "bound of |qdd| of the joints",
+            lower=0.0,
+            default=(robot.description.limits.acceleration,) * n,
+        ),
+        Field(
+            "safe_torque.D",
+            n,
+            "N m s/rad",
+            "damping of the torque that answers a failed solve",
+            lower=0.0,
+            default=(robot.description.safe_torque.D,) * n,
+        ),
+    )
+
+
+def reply_layout(robot: Robot, tasks: Sequence[Task], row_names: Sequence[str]) -> Layout:
+    """Layout of what a tick answers.
+
+    Args:
+        robot: The robot, for sizes.
+        tasks: The Cartesian tasks, in the order of error and feedback.
+        row_names: Names of the QP's rows.
+
+    Returns:
+        Status and times, torque, acceleration, wrenches, task errors and
+        feedback, active rows.
+    """
+    k = sum(task.k for task in tasks)
+    axes = " ".join(f"{task.name}.{axis}" for task in tasks for axis in task.axes)
+    contacts = " ".join(contact.name for contact in robot.description.contacts)
+    return Layout(
+        (
+            Field("status", 1, "1", "0 ok, else the kind of failure"),
+            Field("iterations", 1, "1", "iterations of the solver"),
+            Field("data_time", 1, "us", "time to evaluate the QP's data"),
+            Field("factorization_time", 1, "us", "time to factorise"),
+            Field("solve_time", 1, "us", "time to solve"),
+            Field("tau", robot.n, "N m", "joint torques; the safe torque on failure"),
+            Field("qdd", robot.nv, "m/s^2, rad/s^2", "accelerations, as v; zero on failure"),
+            Field(
+                "wrenches",
+                6 * len(robot.description.contacts),
+                "N, N m",
+                f"[force; moment] in the sole frames of {contacts}; zero on failure",
+            ),
+            Field("error", k, "m, rad", f"x_ref - x along {axes}, world axes"),
+            Field("feedback", k, "m/s^2, rad/s^2", f"P e + D de/dt along {axes}, world axes"),
+            Field(
+                "active",
+                len(row_names),
+                "1",
+                "per row: -1 at its lower bound, 1 at its upper, 0 inside, 2 equality",
+            ),
+        )
+    )

@@ -1,1 +1,0 @@
-"""The JSON messages of the network, checked where they come in."""

@@ -1,0 +1,46 @@
+"""Softer or stiffer than the robot file says."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from tsd_casadi.exceptions import InvalidValue
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Factors on the learned task's gains.
+
+    Attributes:
+        P: On the stiffness.
+        D: On the damping.
+    """
+
+    P: float = 1.0
+    D: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Refuse what is no factor.
+
+        Raises:
+            InvalidValue: If one is not above 0 and at most 100.
+        """
+        for name, value in (("p scale", self.P), ("d scale", self.D)):
+            if not 0 < value <= 100:
+                raise InvalidValue(name, value, "a factor above 0, up to 100")
+
+    @classmethod
+    def critical(cls, factor: float) -> Gains:
+        """P times a factor, with D = 2 sqrt(P) still true where it was.
+
+        Args:
+            factor: On the stiffness.
+
+        Raises:
+            InvalidValue: If it is not above 0 and at most 100.
+        """
+        return cls(factor, math.sqrt(max(factor, 0.0)))
+
+
+UNCHANGED = Gains()
