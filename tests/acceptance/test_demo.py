@@ -102,7 +102,7 @@ def test_services_stop_when_a_run_fails(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def test_robot_that_cannot_do_the_squats_is_told_before_anything_starts(tmp_path: Path) -> None:
-    small = Path(__file__).parent / "robots" / "mini_biped" / "mini_biped.yaml"
+    small = Path(__file__).parents[1] / "robots" / "mini_biped" / "mini_biped.yaml"
     with pytest.raises(InvalidValue, match=r"amplitude is 0\.06, expected .* for mini_biped"):
         demo.run_demo(load_robot(small), tmp_path / "out")
     assert not (tmp_path / "out").exists()

@@ -12,8 +12,8 @@ from tsd_casadi import Controller, Robot, Squat, State, Status, compile_controll
 from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.parity import measure_parity
 
-FOLDER = Path(__file__).parent / "robots" / "mini_biped"
-ROOT = Path(__file__).parents[1]
+FOLDER = Path(__file__).parents[1] / "robots" / "mini_biped"
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")

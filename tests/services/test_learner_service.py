@@ -24,7 +24,7 @@ from tsd_casadi.wire.learner import RecordMessage
 from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_server.service_process import ServiceProcess, free_endpoint
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 ROBOT = "hermes_lower"
 
 

@@ -20,7 +20,7 @@ from tsd_casadi.wire.tick_message import HEADER, REPLY, REQUEST, pack_tick, unpa
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_server.service_process import ServiceProcess, free_endpoint
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 @pytest.fixture(scope="module")

@@ -26,7 +26,7 @@ from tsd_clients.simulator.hardware import (
     check_effects,
 )
 
-MINI = Path(__file__).parent / "robots" / "mini_biped" / "mini_biped.yaml"
+MINI = Path(__file__).parents[1] / "robots" / "mini_biped" / "mini_biped.yaml"
 DT = 1e-3
 NUMBERS = HardwareFile(
     armature=0.05,

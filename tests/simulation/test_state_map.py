@@ -15,7 +15,7 @@ from tsd_casadi.exceptions import RobotFileError
 from tsd_clients.simulator.parity import random_state
 from tsd_clients.simulator.state_map import StateMap
 
-MINI = Path(__file__).parent / "robots" / "mini_biped" / "mini_biped.yaml"
+MINI = Path(__file__).parents[1] / "robots" / "mini_biped" / "mini_biped.yaml"
 STATES = 50
 EditScene = Callable[[Callable[[str], str]], Robot]
 

@@ -17,7 +17,7 @@ from tsd_casadi.motions.hold import hold
 from tsd_casadi.robot.standing import stand
 from tsd_casadi.tick.command import Command
 
-MINI = Path(__file__).parent / "robots" / "mini_biped" / "mini_biped.yaml"
+MINI = Path(__file__).parents[1] / "robots" / "mini_biped" / "mini_biped.yaml"
 HERMES = load_robot("hermes_lower")
 HEIGHTS = st.floats(-0.12, 0.12)
 

@@ -13,7 +13,7 @@ from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import ParityError
 from tsd_clients.simulator.parity import TOLERANCE, check_parity, measure_parity, random_state
 
-MINI = Path(__file__).parent / "robots" / "mini_biped" / "mini_biped.yaml"
+MINI = Path(__file__).parents[1] / "robots" / "mini_biped" / "mini_biped.yaml"
 ROBOTS: dict[str, Path] = {**tsd_models.robot_files(), "mini_biped": MINI}
 
 
