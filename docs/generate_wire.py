@@ -5,14 +5,13 @@ Run: python docs/generate_wire.py
 
 from pathlib import Path
 
-from tsd_casadi.robot.robot.robot import load_robot
-from tsd_casadi.tick.tick.format import STATUS_MEANING
-from tsd_casadi.tick.tick.layout import Layout
-
 from tsd_casadi.document import json_schema
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
 from tsd_casadi.motions.parameter import TASK_PARAMETERS
+from tsd_casadi.robot.robot import load_robot
+from tsd_casadi.tick.format import STATUS_MEANING
+from tsd_casadi.tick.layout import Layout
 from tsd_casadi.wire import endpoints, keys
 from tsd_casadi.wire.feedforward import FeedforwardMessage
 from tsd_casadi.wire.learner import RecordMessage, RecordReply

@@ -1,6 +1,8 @@
+"""What every layer of the tests shares: markers by folder, hypothesis profiles, robots."""
+
 from __future__ import annotations
 
-import json
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -11,18 +13,43 @@ import yaml
 from hypothesis import settings
 
 from tsd_casadi import Controller, InverseDynamics, Robot, compile_controller, load_robot
-from tsd_experiments.harness.experiment import Experiment
-from tsd_experiments.harness.jobs import Result
 
-settings.register_profile("tsd", deadline=None, derandomize=True, database=None)
-settings.load_profile("tsd")
-
+TESTS = Path(__file__).parent
+LAYERS = ("unit", "simulation", "services", "experiments", "acceptance")
 SHIPPED = "hermes_lower"
+
+# the same examples at every run
+settings.register_profile(
+    "quick", max_examples=60, deadline=None, derandomize=True, database=None, print_blob=True
+)
+# others at every run, and many of them
+settings.register_profile(
+    "thorough", settings.get_profile("quick"), max_examples=2000, derandomize=False
+)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "quick"))
+
+
+# before markers are selected
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        layer = item.path.relative_to(TESTS).parts[0]
+        if layer not in LAYERS:
+            raise pytest.UsageError(f"{item.path} is in none of the layers {', '.join(LAYERS)}")
+        item.add_marker(layer)
+        if item.get_closest_marker("long") and not item.get_closest_marker("timeout"):
+            item.add_marker(pytest.mark.timeout(1800))
 
 
 @pytest.fixture(scope="session")
 def robot() -> Robot:
     return load_robot(SHIPPED)
+
+
+@pytest.fixture(scope="session")
+def mini_biped() -> Robot:
+    """A robot of a user: smaller, other names, not in the package."""
+    return load_robot(TESTS / "robots" / "mini_biped" / "mini_biped.yaml")
 
 
 @pytest.fixture(scope="session")
@@ -53,23 +80,3 @@ def write_robot(robot: Robot, tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return write
-
-
-@pytest.fixture(scope="session")
-def finish_experiment(
-    robot: Robot, controller: Controller
-) -> Callable[[Experiment], dict[str, Result]]:
-    """Does an experiment's jobs in this process, stage by stage."""
-
-    def finish(experiment: Experiment) -> dict[str, Result]:
-        done: dict[str, Result] = {}
-        while jobs := [job for job in experiment.jobs(done) if job.name not in done]:
-            for job in jobs:
-                # as if it came from a file
-                plain = json.loads(json.dumps(job.arguments))
-                outcome = job.function(robot, controller, **plain)
-                rows = json.loads(json.dumps(outcome.rows, allow_nan=False))
-                done[job.name] = Result(rows, outcome.arrays, (0.0, 1.0))
-        return done
-
-    return finish
