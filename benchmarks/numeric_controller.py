@@ -79,7 +79,7 @@ class NumericController:
         return NumericTick(tau, flag, tuple(1e6 * t for t in times))  # type: ignore[arg-type]
 
     def assemble(self, request: Vector) -> tuple[QuadraticProgram, Vector]:
-        """The QP's numbers.
+        """Compute the QP's numbers.
 
         Args:
             request: (request.size,).

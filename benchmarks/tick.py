@@ -36,7 +36,7 @@ PHASES = ("data", "factorisation", "solve")
 
 
 def nominal_requests(controller: Controller, robot: Any, count: int) -> list[Vector]:
-    """Requests along a simulated squat of 3 cm at 0.25 Hz."""
+    """Collect requests along a simulated squat of 3 cm at 0.25 Hz."""
     run = MujocoSimulator(robot, 0.1).run(controller, Squat(0.03, 0.25), laps=2)
     command = controller.command()
     requests = []
@@ -50,7 +50,7 @@ def nominal_requests(controller: Controller, robot: Any, count: int) -> list[Vec
 
 
 def stressed_requests(controller: Controller, robot: Any, count: int) -> list[Vector]:
-    """Requests with several active limits, unrelated to each other."""
+    """Draw requests with several active limits, unrelated to each other."""
     rng = np.random.default_rng(0)
     requests: list[Vector] = []
     while len(requests) < count:
@@ -104,7 +104,7 @@ def measure(
 
 
 def summarize(times: Any) -> dict[str, dict[str, float]]:
-    """Median and 99th percentile by phase and in total."""
+    """Compute median and 99th percentile by phase and in total."""
     columns = {**dict(zip(PHASES, times.T, strict=True)), "total": times.sum(axis=1)}
     return {
         name: {"p50": float(np.percentile(column, 50)), "p99": float(np.percentile(column, 99))}

@@ -91,7 +91,7 @@ class SymbolicModel:
         )
 
     def mass_matrix(self) -> casadi.Function:
-        """Joint-space inertia, by the composite rigid body algorithm.
+        """Write the joint-space inertia, by the composite rigid body algorithm.
 
         Returns:
             Function q -> M, shape (nv, nv) [kg, kg m, kg m^2], symmetric,
@@ -100,7 +100,7 @@ class SymbolicModel:
         return casadi.Function.deserialize(self._symbolic.mass_matrix())
 
     def bias_forces(self) -> casadi.Function:
-        """Coriolis, centrifugal and gravity forces, by recursive Newton-Euler.
+        """Write Coriolis, centrifugal and gravity forces, by recursive Newton-Euler.
 
         Returns:
             Function (q, v) -> h, shape (nv,) [N, N m].
@@ -108,7 +108,7 @@ class SymbolicModel:
         return casadi.Function.deserialize(self._symbolic.bias_forces())
 
     def center_of_mass(self) -> casadi.Function:
-        """Position, Jacobian and drift of the centre of mass, world frame.
+        """Write position, Jacobian and drift of the centre of mass, world frame.
 
         Returns:
             Function (q, v) -> c (3,) [m], J (3, nv), drift = dJ/dt v (3,)
@@ -117,13 +117,12 @@ class SymbolicModel:
         return casadi.Function.deserialize(self._symbolic.center_of_mass())
 
     def frame(self, name: str, *, local: bool) -> casadi.Function:
-        """Placement, Jacobian and drift of a frame.
+        """Write placement, Jacobian and drift of a frame.
 
         The drift is the frame's classical acceleration at zero joint
         acceleration, that is dJ/dt v for the velocity of its origin.
 
         Args:
-            name: Name of a frame of the model.
             local: Jacobian and drift in the frame's own axes if true, in axes
                 parallel to the world's otherwise.
 

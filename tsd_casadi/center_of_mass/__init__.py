@@ -1,1 +1,1 @@
-"""TODO."""
+"""The centre of mass corrected from static poses, beyond the paper."""

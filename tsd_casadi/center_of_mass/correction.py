@@ -31,7 +31,6 @@ class CenterOfMassCorrection:
         """Prepare the kinematics.
 
         Args:
-            robot: The robot.
             terms: r_i, (N, 3) [m].
             covariance: Of them, (3 N, 3 N) [m^2].
 
@@ -59,7 +58,7 @@ class CenterOfMassCorrection:
         self._model, self._data = robot.model, robot.model.createData()
 
     def center_of_mass(self, q: Vector) -> Vector:
-        """Corrected centre of mass of a configuration, (3,) [m], world frame.
+        """Compute the corrected centre of mass of a configuration, (3,) [m], world frame.
 
         Args:
             q: Configuration, (nq,).
@@ -67,7 +66,7 @@ class CenterOfMassCorrection:
         return np.array(pinocchio.centerOfMass(self._corrected, self._corrected_data, q))
 
     def offset(self, q: Vector) -> Vector:
-        """Corrected minus the model's centre of mass, (3,) [m], world frame.
+        """Compute corrected minus the model's centre of mass, (3,) [m], world frame.
 
         Args:
             q: Configuration, (nq,).
@@ -76,7 +75,7 @@ class CenterOfMassCorrection:
         return np.asarray(self.center_of_mass(q) - model)
 
     def offset_rate(self, q: Vector, v: Vector) -> Vector:
-        """Time derivative of ``offset``, (3,) [m/s], world frame.
+        """Compute the time derivative of ``offset``, (3,) [m/s], world frame.
 
         Args:
             q: Configuration, (nq,).
@@ -87,7 +86,7 @@ class CenterOfMassCorrection:
         return np.asarray(self._corrected_data.vcom[0] - self._data.vcom[0])
 
     def deviation(self, q: Vector) -> Vector:
-        """Standard deviation of the corrected centre of mass, (3,) [m], world axes.
+        """Compute the corrected centre of mass' standard deviation, (3,) [m], world axes.
 
         Args:
             q: Configuration, (nq,).
@@ -97,7 +96,7 @@ class CenterOfMassCorrection:
         return np.asarray(np.sqrt(np.maximum(variances, 0.0)))
 
     def message(self) -> CenterOfMassMessage:
-        """As plain data."""
+        """Write the correction as plain data."""
         return CenterOfMassMessage(
             robot=self.robot.name,
             fingerprint=self.robot.fingerprint,
@@ -107,20 +106,12 @@ class CenterOfMassCorrection:
         )
 
     def save(self, path: Path) -> None:
-        """Write the correction as JSON.
-
-        Args:
-            path: The file.
-        """
+        """Write the correction as JSON."""
         path.write_bytes(self.message().encode())
 
     @classmethod
     def load(cls, robot: Robot, path: Path) -> CenterOfMassCorrection:
-        """Read a correction.
-
-        Args:
-            robot: The robot that it is of.
-            path: The file.
+        """Read a robot's correction from a file.
 
         Raises:
             MalformedMessage: If the file is none.
@@ -138,11 +129,7 @@ class CenterOfMassCorrection:
 
     @classmethod
     def from_message(cls, robot: Robot, message: CenterOfMassMessage) -> CenterOfMassCorrection:
-        """A correction from plain data.
-
-        Args:
-            robot: The robot that it is of.
-            message: The data.
+        """Take a robot's correction from plain data.
 
         Raises:
             MalformedMessage: If its vectors and covariance do not belong together.

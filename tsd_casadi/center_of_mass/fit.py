@@ -80,12 +80,10 @@ class MassPrior:
 def prior_correction(
     robot: Robot, weight: float | None = None, prior: MassPrior | None = None
 ) -> CenterOfMassCorrection:
-    """What is known before any pose.
+    """Tell what is known of the centre of mass before any pose is measured.
 
     Args:
-        robot: The robot.
         weight: As measured [N]; by default the model's.
-        prior: How far the model may be off.
 
     Raises:
         InvalidValue: If the weight is not positive.
@@ -114,10 +112,8 @@ def fit_correction(
     """Correct a robot's centre of mass from static poses.
 
     Args:
-        robot: The robot.
         poses: Measurements; ten that lean differently do most of it.
         noise: sigma, of a pose's centre of pressure along each axis [m].
-        prior: How far the model may be off.
 
     Returns:
         The correction with its posterior covariance.

@@ -41,12 +41,7 @@ DAMPING = 1e-9
 
 
 def design_poses(robot: Robot, count: int, *, seed: int = 0) -> list[State]:
-    """Postures to measure the centre of pressure in.
-
-    Args:
-        robot: The robot.
-        count: How many.
-        seed: Of the candidates.
+    """Choose the postures to measure the centre of pressure in.
 
     Returns:
         Postures at rest with the soles where they are at home, the most
@@ -109,7 +104,7 @@ class _Candidates:
         self._mobility = float(np.linalg.svd(J, compute_uv=False)[-1])
 
     def draw(self, count: int) -> list[Vector]:
-        """Some configurations; fewer than asked for where references are out of reach."""
+        """Draw configurations, fewer than asked for where references are out of reach."""
         return [q for q in (self._one() for _ in range(count)) if q is not None]
 
     def _one(self) -> Vector | None:

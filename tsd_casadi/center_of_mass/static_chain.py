@@ -33,9 +33,6 @@ class StaticChain:
     def __init__(self, robot: Robot) -> None:
         """Take a robot's links apart.
 
-        Args:
-            robot: The robot.
-
         Raises:
             InvalidValue: If it has a prismatic joint: its chain would not be
                 one of constant vectors.
@@ -59,7 +56,7 @@ class StaticChain:
         self._above = above
 
     def moments(self) -> Matrix:
-        """From link masses to the vectors, each times the total mass, (3 N, N) [m]."""
+        """Map link masses to the vectors, each times the total mass, (3 N, N) [m]."""
         count = len(self.links)
         moments = np.zeros((count, 3, count))
         moments[np.arange(count), :, np.arange(count)] = self.centers
@@ -68,12 +65,12 @@ class StaticChain:
         return moments.reshape(3 * count, count)
 
     def terms(self) -> Matrix:
-        """The model's own r_i, (N, 3) [m]."""
+        """Compute the model's own r_i, (N, 3) [m]."""
         vectors: Vector = self.moments() @ self.masses / self.masses.sum()
         return vectors.reshape(-1, 3)
 
     def features(self, q: Vector) -> Matrix:
-        """The links' orientations side by side, so that c = p_base + features @ r.
+        """Put the links' orientations side by side, so that c = p_base + features @ r.
 
         Args:
             q: Configuration, (nq,).
@@ -85,7 +82,7 @@ class StaticChain:
         return np.hstack([placement.rotation for placement in list(self._data.oMi)[1:]])
 
     def model_with(self, terms: Matrix) -> Any:
-        """A model with the same joints whose centre of mass follows the chain.
+        """Make a model with the same joints whose centre of mass follows the chain.
 
         Only its centre of mass means anything: the links weigh 1 kg each, and
         their centres make up for that.

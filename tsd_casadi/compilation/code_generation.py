@@ -26,9 +26,6 @@ NATIVE = ("dense.h", "tick.h", "posture.c", "elimination.c", "tick.c")
 def generate_sources(problem: InverseDynamics) -> dict[str, str]:
     """Write a problem as C.
 
-    Args:
-        problem: The problem.
-
     Returns:
         Source text by file name: the generated functions (problem.c), sizes
         (problem.h) and the tick around them.

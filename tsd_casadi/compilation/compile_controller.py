@@ -31,7 +31,6 @@ def compile_controller(robot: Robot, on_compile: Callable[[], None] | None = Non
     anything symbolic is built.
 
     Args:
-        robot: The robot.
         on_compile: Called before a compilation starts; by default a line of the
             log says that it is under way.
 
@@ -66,7 +65,7 @@ def _index_of(robot: Robot) -> Path:
 
 
 def _read(index: Path) -> tuple[TickFormat, Path] | None:
-    """What an earlier run left; None if it cannot be used."""
+    """Read what an earlier run left; None if it cannot be used."""
     try:
         kept = json.loads(index.read_text())
         library = verified_library(index.parent / Path(kept["library"]).name)

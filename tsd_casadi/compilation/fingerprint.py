@@ -27,7 +27,7 @@ TEXTS = (".py", ".c", ".h")
 
 @cache
 def formulation_fingerprint() -> str:
-    """Hash of the text of the formulation and of the libraries that read it.
+    """Hash the text of the formulation and the versions of the libraries that read it.
 
     Two robots with equal files and equal formulation fingerprints have the same
     compiled controller. A comment changes it as well: that costs building the

@@ -14,12 +14,10 @@ from tsd_casadi.constraints.rows import Rows
 
 
 def center_of_pressure(contact: str, extents: ca.SX, nv: int, selection: ca.SX) -> Rows:
-    """Four rows per contact.
+    """Keep a contact's centre of pressure inside its sole, by four rows.
 
     Args:
-        contact: Name of the contact.
         extents: (x_low, x_high, y_low, y_high) of the sole [m], sole frame.
-        nv: Size of v.
         selection: (6, 6 m), picks this contact's wrench out of lambda.
 
     Returns:

@@ -15,12 +15,10 @@ FX, FY, FZ, MX, MY, MZ = range(6)
 
 
 def cone_rows(prefix: str, faces: Faces, nv: int, selection: ca.SX) -> Rows:
-    """Faces of a polyhedral cone of wrenches.
+    """Keep a contact's wrench inside a polyhedral cone, by one row per face.
 
     Args:
-        prefix: Start of the rows' names.
         faces: Coefficients of each face by wrench component, by face name.
-        nv: Size of v.
         selection: (6, 6 m), picks this contact's wrench out of lambda.
 
     Returns:

@@ -16,10 +16,9 @@ from tsd_casadi.constraints.rows import BASE_AXES, Rows
 def contact_acceleration(
     name: str, J: ca.SX, drift: ca.SX, active: ca.SX, selection: ca.SX
 ) -> Rows:
-    """Six equalities of one contact.
+    """Keep a sole from accelerating while it is in contact, by six equalities.
 
     Args:
-        name: Name of the contact.
         J: Jacobian of the sole, sole axes, (6, nv).
         drift: dJ/dt v, sole axes, classical for translation, (6,).
         active: 1 in contact, 0 not.

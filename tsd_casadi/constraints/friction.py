@@ -15,12 +15,10 @@ from tsd_casadi.constraints.rows import Rows
 
 
 def friction(contact: str, mu: ca.SX, nv: int, selection: ca.SX) -> Rows:
-    """Four rows per contact.
+    """Keep a contact's force inside the inscribed friction pyramid, by four rows.
 
     Args:
-        contact: Name of the contact.
         mu: Coulomb coefficient.
-        nv: Size of v.
         selection: (6, 6 m), picks this contact's wrench out of lambda.
 
     Returns:

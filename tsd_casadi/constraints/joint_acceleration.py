@@ -13,12 +13,11 @@ from tsd_casadi.constraints.rows import BASE_AXES, INFINITY, Rows
 
 
 def joint_acceleration(joints: Sequence[str], limit: ca.SX, nx: int) -> Rows:
-    """Simple bounds on the first nv variables; the base's are infinite.
+    """Bound the first nv variables; the bounds of the base are infinite.
 
     Args:
-        joints: Names of the joints.
         limit: qdd_max, (n,) [rad/s^2].
-        nx: Size of x.
+        nx: Size of x, nv + 6 m.
 
     Returns:
         Rows whose A is the identity's first nv rows, as solvers take simple

@@ -13,10 +13,9 @@ from tsd_casadi.constraints.rows import Rows
 
 
 def joint_torque(joints: Sequence[str], A_tau: ca.SX, h_a: ca.SX, limit: ca.SX) -> Rows:
-    """One two-sided row per joint.
+    """Bound the torque of each joint, by one two-sided row.
 
     Args:
-        joints: Names of the joints.
         A_tau: (n, nv + 6 m) of tau = A_tau x + h_a.
         h_a: (n,) [N m].
         limit: tau_max, (n,) [N m].

@@ -12,12 +12,10 @@ from tsd_casadi.constraints.rows import Rows
 
 
 def normal_torque(contact: str, gamma: ca.SX, nv: int, selection: ca.SX) -> Rows:
-    """Two rows per contact.
+    """Bound a contact's moment about its normal, by two rows.
 
     Args:
-        contact: Name of the contact.
         gamma: Torsional friction [m].
-        nv: Size of v.
         selection: (6, 6 m), picks this contact's wrench out of lambda.
 
     Returns:

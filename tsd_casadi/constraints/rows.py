@@ -15,7 +15,7 @@ INFINITY = 1e30
 
 @dataclass(frozen=True)
 class Rows:
-    """Rows of one constraint.
+    """The rows of one constraint.
 
     Attributes:
         names: One name per row, for instance 'left_foot.friction.+x'.
@@ -33,10 +33,7 @@ class Rows:
 
 
 def stack_rows(rows: Sequence[Rows]) -> Rows:
-    """Put rows one below the other.
-
-    Args:
-        rows: The blocks, in order.
+    """Put blocks of rows one below the other, in the order given.
 
     Returns:
         One block; it is an equality only if all are.

@@ -14,13 +14,11 @@ from tsd_casadi.constraints.rows import INFINITY, Rows
 def unilateral_force(
     contact: str, minimum_force: ca.SX, active: ca.SX, nv: int, selection: ca.SX
 ) -> Rows:
-    """One row per contact.
+    """Keep a contact's normal force above its minimum, by one row.
 
     Args:
-        contact: Name of the contact.
         minimum_force: Least normal force while in contact [N].
         active: 1 in contact, 0 not.
-        nv: Size of v.
         selection: (6, 6 m), picks this contact's wrench out of lambda.
 
     Returns:

@@ -1,1 +1,1 @@
-"""TODO."""
+"""The compiled controller, loaded: state and command in, torque out."""

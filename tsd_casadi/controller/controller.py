@@ -23,13 +23,13 @@ class WholeBodyController(Protocol):
 
     @property
     def format(self) -> TickFormat:
-        """The meaning of requests and replies."""
+        """What the numbers of requests and replies mean."""
 
     def command(self) -> Command:
-        """A new command that holds the home posture."""
+        """Make a new command, which holds the home posture."""
 
     def tick(self, state: State, command: Command) -> Tick:
-        """Torque for one state and command."""
+        """Compute the torque for one state and command."""
 
 
 class Controller:
@@ -47,7 +47,6 @@ class Controller:
         """Load a compiled problem.
 
         Args:
-            tick_format: The meaning of its requests and replies.
             library: Its shared library, from ``compile_controller``.
         """
         self.format = tick_format
@@ -74,14 +73,13 @@ class Controller:
             self._compiled.tick_free(self._context)
 
     def command(self) -> Command:
-        """A new command that holds the home posture."""
+        """Make a new command, which holds the home posture."""
         return Command(self.format.request)
 
     def tick(self, state: State, command: Command) -> Tick:
-        """Torque for one state and command.
+        """Compute the torque for one state and command.
 
         Args:
-            state: The robot's state.
             command: What to do; its request vector takes the state.
 
         Returns:
@@ -95,7 +93,7 @@ class Controller:
         return Tick(self.format, self.run(command.request))
 
     def run(self, request: Vector) -> Vector:
-        """The same on bare vectors.
+        """Answer a request vector with a reply vector; ``format`` says what they mean.
 
         Args:
             request: (format.request.size,), contiguous float64.

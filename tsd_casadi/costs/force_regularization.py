@@ -9,7 +9,7 @@ import casadi as ca
 
 
 def force_cost(W_lambda: ca.SX, lambda_des: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Hessian and gradient of half the term in lambda.
+    """Write half the term in lambda as a Hessian and a gradient.
 
     Args:
         W_lambda: Diagonal of the weight, (6 m,) [1/N^2, 1/(N m)^2].

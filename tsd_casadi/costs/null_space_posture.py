@@ -1,4 +1,4 @@
-r"""Posture in the null space of all Cartesian tasks and contacts.
+r"""Posture in the null space of all Cartesian tasks and contacts [P_null, qdd_des].
 
 .. math::
 
@@ -21,7 +21,7 @@ DAMPING = 1e-8
 
 
 def null_space_projector(J: ca.MX) -> ca.MX:
-    """P_null of a Jacobian whose inactive rows are zero.
+    """Compute P_null of a Jacobian whose inactive rows are zero.
 
     Args:
         J: (rows, nv).
@@ -34,7 +34,7 @@ def null_space_projector(J: ca.MX) -> ca.MX:
 
 
 def posture_acceleration(P_q: ca.SX, q_ref: ca.SX, D_q: ca.SX, q: ca.SX, v: ca.SX) -> ca.SX:
-    """qdd_des, zero on the base.
+    """Compute qdd_des, which is zero on the base.
 
     Args:
         P_q: Stiffness, (n,) [1/s^2].
@@ -50,7 +50,7 @@ def posture_acceleration(P_q: ca.SX, q_ref: ca.SX, D_q: ca.SX, q: ca.SX, v: ca.S
 
 
 def posture_cost(P_null: ca.MX, W_q: ca.MX, qdd_des: ca.MX) -> tuple[ca.MX, ca.MX]:
-    """Hessian and gradient of half the posture term in qdd.
+    """Write half the posture term in qdd as a Hessian and a gradient.
 
     Args:
         P_null: (nv, nv).

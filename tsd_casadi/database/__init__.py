@@ -1,1 +1,1 @@
-"""TODO."""
+"""The store of what was learned: entries, their iterations and recordings."""

@@ -9,7 +9,7 @@ import casadi as ca
 
 
 def actuated_dynamics(M: ca.SX, h: ca.SX, J_c: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """The torque as an affine function of x = (qdd, lambda).
+    """Write the torque as an affine function of x = (qdd, lambda).
 
     Args:
         M: (nv, nv).

@@ -1,4 +1,4 @@
-"""Rigid-body dynamics and kinematics of a robot as CasADi expressions."""
+"""Rigid-body dynamics and kinematics of a robot as CasADi expressions [dynamics]."""
 
 from __future__ import annotations
 
@@ -60,7 +60,6 @@ class SymbolicDynamics:
         simulator's quaternion is off does not grow.
 
         Args:
-            robot: The robot.
             q: (nq,) symbols.
             v: (nv,) symbols.
         """
@@ -72,26 +71,25 @@ class SymbolicDynamics:
         self.nv = robot.nv
 
     def mass_matrix(self) -> ca.SX:
-        """Joint-space inertia M, (nv, nv) [kg, kg m, kg m^2]."""
+        """Compute the joint-space inertia M, (nv, nv) [kg, kg m, kg m^2]."""
         return self._model.mass_matrix()(self.q)
 
     def bias_forces(self) -> ca.SX:
-        """Coriolis, centrifugal and gravity forces h, (nv,) [N, N m]."""
+        """Compute Coriolis, centrifugal and gravity forces h, (nv,) [N, N m]."""
         return self._model.bias_forces()(self.q, self.v)
 
     def gravity_forces(self) -> ca.SX:
-        """Gravity forces, h at rest, (nv,) [N, N m]."""
+        """Compute the gravity forces, h at rest, (nv,) [N, N m]."""
         return self._model.bias_forces()(self.q, ca.SX.zeros(self.nv))
 
     def center_of_mass(self) -> PointKinematics:
-        """Centre of mass, world frame."""
+        """Compute the kinematics of the centre of mass, world frame."""
         return PointKinematics(*self._model.center_of_mass()(self.q, self.v))
 
     def frame(self, name: str, *, local: bool) -> FrameKinematics:
-        """A frame of the robot.
+        """Compute the kinematics of a frame of the robot.
 
         Args:
-            name: Name of the frame.
             local: Jacobian and drift in the frame's own axes if true, in axes
                 parallel to the world's otherwise.
         """

@@ -11,7 +11,7 @@ from tsd_casadi.constraints.rows import BASE_AXES, Rows
 
 
 def unactuated_dynamics(M: ca.SX, h: ca.SX, J_c: ca.SX) -> Rows:
-    """Six equalities that make (qdd, lambda) physically possible.
+    """Make (qdd, lambda) physically possible, by six equalities.
 
     Args:
         M: (nv, nv).

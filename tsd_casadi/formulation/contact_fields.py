@@ -8,11 +8,7 @@ from tsd_casadi.tick.layout import Field
 
 
 def contact_fields(contact: Contact, robot: Robot) -> tuple[Field, ...]:
-    """The fields of the command that belong to one contact.
-
-    Args:
-        contact: The contact.
-        robot: The robot, for its weight and regularisation.
+    """Describe the command's fields of one contact, with the robot's defaults.
 
     Returns:
         The fields; the wanted wrench shares the weight between all contacts.

@@ -114,11 +114,7 @@ class InverseDynamics:
     """
 
     def __init__(self, robot: Robot) -> None:
-        """Build the symbolic problem of a robot.
-
-        Args:
-            robot: The robot.
-        """
+        """Build the symbolic problem of a robot."""
         self.robot = robot
         self.n = robot.n
         self.nv = robot.nv
@@ -137,7 +133,7 @@ class InverseDynamics:
         return [task.name for task in self.tasks]
 
     def evaluate(self, request: Vector) -> QuadraticProgram:
-        """The QP's numbers, straight from the definition.
+        """Compute the QP's numbers, straight from the definition.
 
         Args:
             request: (request.size,).
@@ -259,7 +255,7 @@ class InverseDynamics:
         return ca.Function(name, [self._request], dense, ["request"], list(outputs))
 
     def _add_posture(self) -> ca.Function:
-        """The whole QP: the terms and the posture.
+        """Add the posture's share to the terms, which makes the whole QP.
 
         Written out in scalars, P_null would dwarf everything else; as a matrix
         expression it stays a solve and four products.

@@ -19,7 +19,7 @@ DAMPING = 1e-6
 
 
 def safe_torque(gravity: ca.SX, J_c: ca.SX, v: ca.SX, damping: ca.SX, limit: ca.SX) -> ca.SX:
-    """Torque that holds the robot against gravity and takes out speed.
+    """Compute the torque that holds the robot against gravity and takes out speed.
 
     Args:
         gravity: g, (nv,) [N, N m].

@@ -14,14 +14,7 @@ from tsd_casadi.tick.layout import Field, Layout
 def tick_format(
     robot: Robot, tasks: Sequence[Task], request: Layout, row_names: tuple[str, ...]
 ) -> TickFormat:
-    """Put together what is known of a problem's request and reply.
-
-    Args:
-        robot: The robot.
-        tasks: The Cartesian tasks.
-        request: Layout of the request.
-        row_names: Names of the QP's rows.
-    """
+    """Put together what is known of a problem's request and reply."""
     return TickFormat(
         robot=robot.name,
         joints=tuple(robot.joint_names),
@@ -34,14 +27,10 @@ def tick_format(
 
 
 def request_layout(robot: Robot, tasks: Sequence[Task]) -> Layout:
-    """Layout of state and command.
+    """Lay out state and command.
 
     Everything a user may change between two ticks is in here, so that the
     compiled function has no memory.
-
-    Args:
-        robot: The robot, for sizes and defaults.
-        tasks: The Cartesian tasks.
 
     Returns:
         Fields q, v, then tasks, contacts, posture, weights and limits.
@@ -121,12 +110,10 @@ def _joint_fields(robot: Robot) -> tuple[Field, ...]:
 
 
 def reply_layout(robot: Robot, tasks: Sequence[Task], row_names: Sequence[str]) -> Layout:
-    """Layout of what a tick answers.
+    """Lay out what a tick answers.
 
     Args:
-        robot: The robot, for sizes.
         tasks: The Cartesian tasks, in the order of error and feedback.
-        row_names: Names of the QP's rows.
 
     Returns:
         Status and times, torque, acceleration, wrenches, task errors and

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Inertial parameters identified from motion data, the alternative to learning."""

@@ -29,7 +29,6 @@ def write_robot(robot: Robot, inertias: Sequence[Any], folder: Path) -> Robot:
     robot copied, so simulate with that one.
 
     Args:
-        robot: The robot.
         inertias: ``pinocchio.Inertia`` of each joint's body, base first; links
             on fixed joints belong to the body that carries them.
         folder: Where to; made if need be.

@@ -78,7 +78,7 @@ class Friction:
     coulomb: Vector
 
     def torque(self, velocity: Vector) -> Vector:
-        """What it takes to move against it.
+        """Compute what it takes to move against it.
 
         Args:
             velocity: Of the joints, (n,) [rad/s].
@@ -107,10 +107,7 @@ class Identified:
 
 
 def nominal_parameters(robot: Robot) -> Vector:
-    """Parameters of all links as the robot's files have them.
-
-    Args:
-        robot: The robot.
+    """List the parameters of all links as the robot's files have them.
 
     Returns:
         Mass [kg], first moments [kg m] and inertia about the joint's frame
@@ -121,10 +118,9 @@ def nominal_parameters(robot: Robot) -> Vector:
 
 
 def free_motions(robot: Robot, q: Vector) -> Matrix:
-    """Z, the velocities that keep the feet still.
+    """Compute Z, the velocities that keep the feet still.
 
     Args:
-        robot: The robot.
         q: Configuration, (nq,).
 
     Returns:
@@ -146,11 +142,7 @@ def free_motions(robot: Robot, q: Vector) -> Matrix:
 
 
 def inertial_rows(robot: Robot, observed: Observations) -> tuple[Matrix, Vector]:
-    """Equations for the parameters of all links, free of contact wrenches.
-
-    Args:
-        robot: The robot, for its kinematics.
-        observed: What it did.
+    """Write equations for the parameters of all links, free of contact wrenches.
 
     Returns:
         Z^T Y stacked over the samples, (rows, 10 (n + 1)), and Z^T S^T tau, (rows,).
@@ -166,11 +158,7 @@ def inertial_rows(robot: Robot, observed: Observations) -> tuple[Matrix, Vector]
 
 
 def friction_rows(robot: Robot, observed: Observations) -> Matrix:
-    """Z^T S^T F for viscous, then Coulomb coefficients.
-
-    Args:
-        robot: The robot, for its kinematics.
-        observed: What it did.
+    """Write the columns of the friction, Z^T S^T F, for viscous, then Coulomb coefficients.
 
     Returns:
         (rows, 2 n), rows as in ``inertial_rows``.
@@ -186,11 +174,9 @@ def friction_rows(robot: Robot, observed: Observations) -> Matrix:
 def identify_inertias(
     robot: Robot, observed: Observations, closeness: float = CLOSENESS
 ) -> Identified:
-    """The rigid bodies that explain what was observed.
+    """Find the rigid bodies that explain what was observed.
 
     Args:
-        robot: The robot with its nominal model.
-        observed: What it did.
         closeness: gamma, how much the nominal model is trusted.
 
     Returns:
@@ -209,11 +195,9 @@ def identify_inertias(
 def identify_with_friction(
     robot: Robot, observed: Observations, closeness: float = CLOSENESS
 ) -> Identified:
-    """The rigid bodies and joint friction that explain what was observed.
+    """Find the rigid bodies and the joint friction that explain what was observed.
 
     Args:
-        robot: The robot with its nominal model.
-        observed: What it did.
         closeness: gamma, how much the nominal model is trusted.
 
     Returns:

@@ -35,7 +35,7 @@ RIDGE = 1e-14  # of the scaled Hessian, against rounding
 
 
 def pseudo_inertia(parameters: Vector) -> Matrix:
-    r"""P of a link, positive definite exactly for bodies that can exist.
+    r"""Compute P of a link, positive definite exactly for bodies that can exist.
 
     .. math:: P = \int \begin{pmatrix} r \\ 1 \end{pmatrix}
         \begin{pmatrix} r \\ 1 \end{pmatrix}^T dm
@@ -78,16 +78,12 @@ class Block:
     gamma: float
 
     def matrix(self, x: Vector) -> Matrix:
-        """P at some parameters.
-
-        Args:
-            x: All parameters.
-        """
+        """Compute P at some parameters x."""
         return np.asarray(np.tensordot(x[self.part], self.basis, axes=1))
 
 
 def body(start: int, gamma: float) -> Block:
-    """A rigid body whose ten parameters start somewhere in x.
+    """Make the block of a rigid body whose ten parameters start somewhere in x.
 
     Args:
         start: Index of the first of them.
@@ -97,17 +93,16 @@ def body(start: int, gamma: float) -> Block:
 
 
 def scalar(place: int, gamma: float) -> Block:
-    """A positive number somewhere in x.
+    """Make the block of a positive number at some place of x.
 
     Args:
-        place: Its index.
         gamma: How much its nominal value is trusted.
     """
     return Block(slice(place, place + 1), np.ones((1, 1, 1)), gamma)
 
 
 def minimise(A: Matrix, b: Vector, nominal: Vector, blocks: Sequence[Block]) -> Vector:
-    """Newton's method with steps short enough to stay where the cost is finite.
+    """Minimise the cost by Newton's method, with steps short enough to keep it finite.
 
     Args:
         A: (rows, parameters), rows divided by their standard deviation.
@@ -159,6 +154,6 @@ def minimise(A: Matrix, b: Vector, nominal: Vector, blocks: Sequence[Block]) -> 
 
 
 def _whitened(block: Block, nominal: Vector) -> Matrix:
-    """Derivatives of L^-1 P L^-T, where L L^T is the nominal P."""
+    """Compute the derivatives of L^-1 P L^-T, where L L^T is the nominal P."""
     inverse = np.linalg.inv(np.linalg.cholesky(block.matrix(nominal)))
     return np.asarray(inverse @ block.basis @ inverse.T)

@@ -1,4 +1,4 @@
-"""Centre-of-mass position, world frame."""
+"""The task that tracks the centre of mass, world frame."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class ComTask(Task):
     r"""Tracks :math:`c` with error :math:`c_{ref} - c`, world frame [m]."""
 
     def reference_field(self, robot: Robot) -> Field:
-        """c_ref, (3,) [m], world frame; axes not controlled are ignored."""
+        """Describe c_ref, (3,) [m], world frame; axes not controlled are ignored."""
         return Field(
             f"{self.name}.reference",
             3,
@@ -22,7 +22,7 @@ class ComTask(Task):
         )
 
     def terms(self, dynamics: SymbolicDynamics, read: Read) -> TaskTerms:
-        """Terms of the controlled axes, world frame."""
+        """Write error, Jacobian and drift of the controlled axes, world frame."""
         rows = ["xyz".index(axis) for axis in self.axes]
         com = dynamics.center_of_mass()
         J = com.J[rows, :]

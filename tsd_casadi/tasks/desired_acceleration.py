@@ -15,7 +15,7 @@ import casadi as ca
 
 
 def feedback_acceleration(P: ca.SX, error: ca.SX, D: ca.SX, error_rate: ca.SX) -> ca.SX:
-    """What the feedback adds, the signal that is learned from.
+    """Compute what the feedback adds, the signal that is learned from.
 
     Args:
         P: Stiffness per axis, (k,) [1/s^2].
@@ -30,7 +30,7 @@ def feedback_acceleration(P: ca.SX, error: ca.SX, D: ca.SX, error_rate: ca.SX) -
 
 
 def desired_acceleration(reference: ca.SX, feedforward: ca.SX, feedback: ca.SX) -> ca.SX:
-    """The sum of the three terms.
+    """Add up reference, learned term and feedback.
 
     Args:
         reference: xdd_ref, (k,) [m/s^2 or rad/s^2].

@@ -1,4 +1,4 @@
-"""Pose of a frame in SE(3)."""
+"""The task that tracks the pose of a frame in SE(3)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class FrameTask(Task):
         self.frame = frame
 
     def reference_field(self, robot: Robot) -> Field:
-        """p_ref (3,) [m] and quaternion xyzw (4,), world frame."""
+        """Describe p_ref (3,) [m] and quaternion xyzw (4,), world frame."""
         position, quaternion = robot.frame_placement(self.frame, robot.home.q)
         return Field(
             f"{self.name}.reference",
@@ -44,7 +44,7 @@ class FrameTask(Task):
         )
 
     def terms(self, dynamics: SymbolicDynamics, read: Read) -> TaskTerms:
-        """Terms of the controlled axes, world axes."""
+        """Write error, Jacobian and drift of the controlled axes, world axes."""
         rows = [FRAME_AXES.index(axis) for axis in self.axes]
         frame = dynamics.frame(self.frame, local=False)
         reference = read("reference")
@@ -60,7 +60,7 @@ class FrameTask(Task):
 
 
 def rotation_matrix(quaternion: ca.SX) -> ca.SX:
-    """Rotation matrix of a quaternion xyzw, which is normalised first.
+    """Convert a quaternion xyzw, normalised first, to a rotation matrix.
 
     Args:
         quaternion: (4,).
@@ -74,7 +74,7 @@ def rotation_matrix(quaternion: ca.SX) -> ca.SX:
 
 
 def rotation_vector(R: ca.SX) -> ca.SX:
-    r"""Logarithm of a rotation, :math:`\theta u` with :math:`0 \le \theta \le \pi`.
+    r"""Compute a rotation's logarithm, :math:`\theta u` with :math:`0 \le \theta \le \pi`.
 
     Taken from the unit quaternion (x, w) as 2 atan2(\|x\|, w) x / \|x\|, which
     stays accurate up to half a turn.
@@ -95,7 +95,7 @@ def rotation_vector(R: ca.SX) -> ca.SX:
 
 
 def _quaternion(R: ca.SX) -> ca.SX:
-    """Unit quaternion xyzw with w >= 0, from the largest of its components."""
+    """Convert a rotation to a unit quaternion xyzw, w >= 0, by its largest component."""
     diagonal = [R[i, i] for i in range(3)]
     squares = [1 + sum(diagonal)]
     squares += [1 + 2 * d - sum(diagonal) for d in diagonal]

@@ -9,10 +9,7 @@ from tsd_casadi.tasks.task import Task
 
 
 def make_tasks(robot: Robot) -> list[Task]:
-    """The tasks that a robot's file asks for.
-
-    Args:
-        robot: The robot.
+    """Make the tasks that a robot's file asks for.
 
     Returns:
         One task per entry, in the file's order.

@@ -65,23 +65,18 @@ class Task(abc.ABC):
 
     @abc.abstractmethod
     def reference_field(self, robot: Robot) -> Field:
-        """The field that holds x_ref, with the home posture as default."""
+        """Describe the field that holds x_ref, with the home posture as default."""
 
     @abc.abstractmethod
     def terms(self, dynamics: SymbolicDynamics, read: Read) -> TaskTerms:
-        """The task's terms as expressions of state and command.
+        """Write error, Jacobian and drift as expressions of state and command.
 
         Args:
-            dynamics: Dynamics and kinematics of the robot.
             read: Gives a field of the command by name.
         """
 
     def fields(self, robot: Robot) -> tuple[Field, ...]:
-        """The fields of the command that belong to this task.
-
-        Args:
-            robot: The robot, for the defaults.
-        """
+        """Describe the command's fields of this task, with the robot's defaults."""
         along = f"axes {' '.join(self.axes)}, world"
         zero = (0.0,) * self.k
         length = ["m" if axis in ("x", "y", "z") else "rad" for axis in self.axes]
@@ -135,11 +130,11 @@ class Task(abc.ABC):
 
 
 def symmetric_matrix(lower_triangle: ca.SX, k: int) -> ca.SX:
-    """Symmetric matrix from its lower triangle, row by row.
+    """Put a symmetric matrix together from its lower triangle, row by row.
 
     Args:
         lower_triangle: (k (k + 1) / 2,).
-        k: Size.
+        k: Number of rows.
 
     Returns:
         (k, k).
@@ -152,7 +147,7 @@ def symmetric_matrix(lower_triangle: ca.SX, k: int) -> ca.SX:
 
 
 def pack_lower_triangle(matrix: Vector) -> Vector:
-    """Lower triangle of a symmetric matrix, row by row, as the command takes it.
+    """Take a symmetric matrix's lower triangle, row by row, as the command has it.
 
     Args:
         matrix: (k, k).

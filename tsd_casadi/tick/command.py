@@ -24,18 +24,14 @@ class Command:
     """
 
     def __init__(self, layout: Layout) -> None:
-        """Start from the defaults: hold the home posture.
-
-        Args:
-            layout: Layout of the request.
-        """
+        """Start from the defaults of a request's layout: hold the home posture."""
         self._layout = layout
         self._q = layout.slice("q")
         self._v = layout.slice("v")
         self.request = layout.defaults()
 
     def __getitem__(self, name: str) -> Vector:
-        """A writable view of a field.
+        """Give a writable view of a field.
 
         Raises:
             UnknownField: If there is none of that name.
@@ -73,7 +69,7 @@ class Command:
         self.request[self._v] = state.v
 
     def copy(self) -> Command:
-        """An independent copy."""
+        """Make an independent copy."""
         other = Command(self._layout)
         other.request[:] = self.request
         return other

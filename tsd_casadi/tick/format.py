@@ -61,7 +61,7 @@ class TickFormat:
         return hash_layouts([self.request, self.reply])
 
     def plain(self) -> dict[str, Any]:
-        """Plain data for JSON; ``from_plain`` reads it."""
+        """Write the format as plain data for JSON; ``from_plain`` reads it."""
         layouts = ("request", "reply")
         names = ("robot", "joints", "contacts", "axes", "row_names")
         return {
@@ -71,7 +71,7 @@ class TickFormat:
 
     @classmethod
     def from_plain(cls, plain: dict[str, Any]) -> TickFormat:
-        """The inverse of ``plain``, also after a way through JSON."""
+        """Read what ``plain`` wrote, also after a way through JSON."""
 
         def layout(parts: list[dict[str, Any]]) -> Layout:
             return Layout(
@@ -89,11 +89,7 @@ class TickFormat:
         )
 
     def axis_index(self, task: str, axis: str) -> int:
-        """Where a task's axis lies in error and feedback.
-
-        Args:
-            task: Name of the task.
-            axis: Name of the axis.
+        """Tell where a task's axis lies in error and feedback.
 
         Raises:
             UnknownField: If no task has that axis.
@@ -105,11 +101,7 @@ class TickFormat:
             raise UnknownField(f"{task}.{axis}", known) from None
 
     def component_index(self, task: str, axis: str) -> int:
-        """Where an axis lies in a task's own fields, such as its P.
-
-        Args:
-            task: Name of the task.
-            axis: Name of the axis.
+        """Tell where an axis lies in a task's own fields, such as its P.
 
         Raises:
             UnknownField: If no task has that axis.

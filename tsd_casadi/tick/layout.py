@@ -78,10 +78,7 @@ class Layout:
         return iter(self.fields)
 
     def slice(self, name: str) -> slice:
-        """Where a field lies.
-
-        Args:
-            name: Name of the field.
+        """Tell where a field lies.
 
         Returns:
             Its slice.
@@ -95,10 +92,7 @@ class Layout:
             raise UnknownField(name, list(self.slices)) from None
 
     def locate(self, index: int) -> tuple[Field, int]:
-        """Which field a position belongs to.
-
-        Args:
-            index: Position in the vector.
+        """Tell which field a position in the vector belongs to.
 
         Returns:
             The field and the index inside it.
@@ -110,19 +104,19 @@ class Layout:
         raise IndexError(index)
 
     def defaults(self) -> Vector:
-        """The vector of all defaults, shape (size,)."""
+        """Put the defaults of all fields together, shape (size,)."""
         return np.concatenate([np.asarray(part.default, dtype=float) for part in self.fields])
 
     def lower(self) -> Vector:
-        """Smallest accepted values, shape (size,)."""
+        """Put the smallest accepted values together, shape (size,)."""
         return np.concatenate([np.full(part.size, part.lower) for part in self.fields])
 
     def upper(self) -> Vector:
-        """Largest accepted values, shape (size,)."""
+        """Put the largest accepted values together, shape (size,)."""
         return np.concatenate([np.full(part.size, part.upper) for part in self.fields])
 
     def quaternions(self) -> list[int]:
-        """Positions at which unit quaternions start."""
+        """List the positions at which unit quaternions start."""
         return [
             self.slices[part.name].start + part.unit_quaternion
             for part in self.fields
@@ -130,7 +124,7 @@ class Layout:
         ]
 
     def switches(self) -> list[int]:
-        """Positions that accept only 0 and 1."""
+        """List the positions that accept only 0 and 1."""
         return [
             index
             for part in self.fields
@@ -140,10 +134,7 @@ class Layout:
 
 
 def hash_layouts(layouts: Sequence[Layout]) -> int:
-    """Fingerprint of what the vectors mean: names, sizes and units.
-
-    Args:
-        layouts: The layouts of one protocol.
+    """Hash what the vectors of one protocol mean: names, sizes and units.
 
     Returns:
         64-bit unsigned integer.

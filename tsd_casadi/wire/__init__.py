@@ -1,1 +1,1 @@
-"""TODO."""
+"""Both sides of the network: keys, endpoints and messages."""

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Tables and progress bars for a terminal."""

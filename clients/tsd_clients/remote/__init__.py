@@ -1,1 +1,1 @@
-"""TODO."""
+"""Controller and learner over Zenoh, with the interfaces of the local ones."""

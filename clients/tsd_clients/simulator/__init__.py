@@ -1,1 +1,1 @@
-"""TODO."""
+"""MuJoCo as a plant: wrong masses, real hardware's effects, pushes, static poses."""

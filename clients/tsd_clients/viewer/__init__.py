@@ -1,1 +1,1 @@
-"""TODO."""
+"""Pictures of the simulated robot, rendered without a screen."""
