@@ -19,14 +19,13 @@ class Disturbance:
     """Does nothing; the base of what adds forces to a simulation."""
 
     def reset(self) -> None:
-        """Called once at the start of each run, before its first step."""
+        """Start again; called once at the start of each run, before its first step."""
 
     def apply(self, data: Any, state_map: StateMap, time: float) -> None:
         """Add this step's forces to ``xfrc_applied`` and ``qfrc_applied``.
 
         Args:
             data: ``mujoco.MjData``; before the first disturbance both are zero.
-            state_map: Where base and joints are.
             time: Of the run, at the start of the step [s].
         """
 

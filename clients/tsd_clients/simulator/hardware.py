@@ -29,7 +29,7 @@ EFFECTS = (*ACTUATOR_EFFECTS, *SENSOR_EFFECTS)
 
 
 def check_effects(robot: Robot, effects: Collection[str]) -> tuple[str, ...]:
-    """The effects in their usual order.
+    """Check the names of effects and put them in their usual order.
 
     Args:
         robot: The robot, whose file must have the numbers.
@@ -56,8 +56,6 @@ class Actuators:
         """Start with nothing applied yet.
 
         Args:
-            hardware: The numbers.
-            effects: Which of them count.
             dt: Time step [s].
         """
         delay = round(hardware.torque_delay / dt) if "delay" in effects else 0
@@ -66,7 +64,7 @@ class Actuators:
         self._applied: Vector | None = None
 
     def apply(self, tau: Vector) -> Vector:
-        """What the joints feel of a command one step long.
+        """Compute what the joints feel of a command one step long.
 
         Args:
             tau: Commanded torque, (n,) [N m].
@@ -97,10 +95,7 @@ class Encoders:
         """Start without a measurement.
 
         Args:
-            hardware: The numbers.
-            effects: Which of them count.
             dt: Time step [s].
-            rng: Source of the noise.
         """
         self._step = hardware.encoder_resolution if "quantisation" in effects else 0.0
         self._noise = hardware.encoder_noise if "noise" in effects else 0.0
@@ -112,7 +107,7 @@ class Encoders:
         self._velocity: Vector | None = None
 
     def measure(self, angles: Vector, velocities: Vector) -> tuple[Vector, Vector]:
-        """One measurement.
+        """Measure joint angles and velocities once.
 
         Args:
             angles: True joint angles, (n,) [rad].
@@ -154,7 +149,6 @@ class FlatFeetEstimator:
         """Note where the feet stand.
 
         Args:
-            robot: The robot.
             standing: The posture whose soles are the true ones.
         """
         self._model, self._data = robot.model, robot.model.createData()
@@ -165,7 +159,7 @@ class FlatFeetEstimator:
         self._w = np.zeros(6 * len(self._feet))
 
     def estimate(self, angles: Vector, velocities: Vector) -> State:
-        """The whole state.
+        """Estimate the whole state.
 
         Args:
             angles: Joint angles, (n,) [rad].
@@ -196,7 +190,7 @@ class FlatFeetEstimator:
 
 
 def _share(time_constant: float, dt: float) -> float:
-    """How far a first-order lag goes in one step, exactly: 1 - exp(-dt / T)."""
+    """Compute how far a first-order lag goes in one step, exactly: 1 - exp(-dt / T)."""
     return 1.0 if time_constant == 0.0 else 1 - math.exp(-dt / time_constant)
 
 
@@ -208,8 +202,6 @@ def add_to_model(
     Args:
         model: ``mujoco.MjModel``, changed.
         joints: Index of each joint in MuJoCo's velocity, (n,).
-        hardware: The numbers.
-        effects: Which of them count.
     """
     if "armature" in effects:
         model.dof_armature[joints] += hardware.armature

@@ -42,16 +42,12 @@ class ModelError:
                 )
 
     def factors(self, links: int) -> Vector:
-        """Model over simulated robot, mass and inertia, (links,).
-
-        Args:
-            links: Number of links.
-        """
+        """Draw mass and inertia of model over simulated robot, link by link, (links,)."""
         signs = np.random.default_rng(self.seed).choice((-1.0, 1.0), size=links)
         return np.asarray(1 + self.uniform + self.per_link * signs)
 
     def settings(self) -> dict[str, float]:
-        """Plain data for a run's records."""
+        """Write the error as plain data for a run's records."""
         if self.per_link == 0.0:
             return {"model_error": self.uniform}
         return {

@@ -38,13 +38,8 @@ class MujocoPlant:
         """Put the robot at its start.
 
         Args:
-            robot: The robot.
             model: ``mujoco.MjModel``.
-            start: Where it is.
             standing: A posture with the soles where the robot believes them.
-            effects: Hardware effects that count.
-            disturbances: What pushes it.
-            seed: Of the sensor noise.
         """
         self.period = TIMESTEP
         self._model = model
@@ -69,7 +64,7 @@ class MujocoPlant:
         self.com: Vector = np.array(self._data.subtree_com[self._state_map.base_body])
 
     def measure(self) -> tuple[State, State]:
-        """The state now.
+        """Measure the state now.
 
         Returns:
             The true state, and the one that the robot's sensors tell.
@@ -94,7 +89,7 @@ class MujocoPlant:
 
         Args:
             tau: Commanded, (n,) [N m].
-            time: Of the run [s].
+            time: Of the run, at the start of the step [s].
         """
         data = self._data
         applied = tau if self._actuators is None else self._actuators.apply(tau)
@@ -107,7 +102,7 @@ class MujocoPlant:
         mujoco.mj_step2(self._model, data)
 
     def ground_force(self) -> tuple[Vector, Vector]:
-        """What the ground carried during the last step: true, of MuJoCo's contacts.
+        """Tell what the ground carried during the last step: true, of MuJoCo's contacts.
 
         To be asked between ``step`` and the next ``measure``.
 

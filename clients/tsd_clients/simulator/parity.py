@@ -1,4 +1,4 @@
-"""Do a robot's URDF and its MuJoCo scene describe the same body?"""
+"""Whether a robot's URDF and its MuJoCo scene describe the same body."""
 
 from __future__ import annotations
 
@@ -33,11 +33,7 @@ class Parity:
 
 
 def random_state(robot: Robot, rng: np.random.Generator) -> State:
-    """A state with every coordinate different from zero.
-
-    Args:
-        robot: The robot.
-        rng: Source of randomness.
+    """Draw a state with every coordinate different from zero.
 
     Returns:
         Joint angles within their limits, base anywhere and turned, all
@@ -57,10 +53,7 @@ def measure_parity(robot: Robot, model: Any, states: int = 5, seed: int = 0) -> 
     With v_pin = T v_mj, M_mj = T^T M T and h_mj = T^T (M dT/dt v_mj + h).
 
     Args:
-        robot: The robot, from its URDF.
         model: ``mujoco.MjModel`` of its scene.
-        states: How many states.
-        seed: Of the random states.
 
     Returns:
         The largest differences.
@@ -94,7 +87,6 @@ def check_parity(robot: Robot, model: Any) -> None:
     """Refuse a scene that is not the URDF's robot.
 
     Args:
-        robot: The robot.
         model: ``mujoco.MjModel`` of its scene.
 
     Raises:

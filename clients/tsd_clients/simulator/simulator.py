@@ -52,7 +52,6 @@ class MujocoSimulator:
         """Load the scene and check it against the URDF.
 
         Args:
-            robot: The robot.
             model_error: E of every link, greater than -1, or errors that differ.
             hardware: Effects that count, from ``tsd_clients.simulator.hardware.EFFECTS``,
                 or 'all'; none by default.
@@ -92,12 +91,7 @@ class MujocoSimulator:
         self.state_map = state_map
 
     def start(self, posture: State, seed: int = 0) -> State:
-        """A posture with its joints off by a little, soles on the ground on average.
-
-        Args:
-            posture: What it is near to.
-            seed: Of the starting randomness.
-        """
+        """Put a posture's joints off by a little, the soles on the ground on average."""
         rng = np.random.default_rng(seed)
         q = posture.q.copy()
         q[7:] += rng.uniform(-START_NOISE, START_NOISE, size=self.robot.n)
@@ -124,14 +118,10 @@ class MujocoSimulator:
         consecutive ones agree, up to a bound.
 
         Args:
-            controller: Local or remote.
-            motion: What to do.
             laps: Least number of laps.
             feedforward: Learned term; none by default.
             gains: Factors on the learned task's gains.
-            compensators: What else changes commands and torques.
-            disturbances: What pushes the robot.
-            seed: Of the starting randomness and of the sensors' noise.
+            seed: Of the starting posture and of the sensors' noise.
             transport: How the controller is reached, for the records.
             progress: Called with (done, total) seconds of simulated time.
 

@@ -34,7 +34,6 @@ class StateMap:
         """Find the robot's joints and motors in a scene.
 
         Args:
-            robot: The robot.
             model: ``mujoco.MjModel`` of the scene.
 
         Raises:
@@ -66,23 +65,14 @@ class StateMap:
         self._v_places = np.array([*range(w, w + 6), *self.v_joints])
 
     def read(self, data: Any) -> State:
-        """The state in Pinocchio's conventions.
-
-        Args:
-            data: ``mujoco.MjData``.
-        """
+        """Read the state of ``mujoco.MjData`` in Pinocchio's conventions."""
         qpos, b = data.qpos, self._q_base
         q, v = qpos[self._q_places], data.qvel[self._v_places]
         mujoco.mju_rotVecQuat(v[:3], v[:3].copy(), qpos[b + 3 : b + 7] * CONJUGATE)
         return State(q, v)
 
     def write(self, data: Any, state: State) -> None:
-        """Set the state.
-
-        Args:
-            data: ``mujoco.MjData``.
-            state: In Pinocchio's conventions.
-        """
+        """Set the state of ``mujoco.MjData`` from one in Pinocchio's conventions."""
         b, w = self._q_base, self._v_base
         data.qpos[b : b + 3] = state.q[:3]
         data.qpos[b + 3 : b + 7] = state.q[3:7][XYZW_TO_WXYZ]
@@ -94,11 +84,7 @@ class StateMap:
         data.qvel[self.v_joints] = state.v[6:]
 
     def velocity_transform(self, state: State) -> Matrix:
-        """T with v_pinocchio = T v_mujoco, (nv, nv).
-
-        Args:
-            state: The state.
-        """
+        """Compute T with v_pinocchio = T v_mujoco, (nv, nv)."""
         size = len(state.v)
         T = np.zeros((size, size))
         b = self._v_base
@@ -111,7 +97,7 @@ class StateMap:
 
     @staticmethod
     def transform_drift(state: State) -> Vector:
-        """dT/dt v_mujoco: the base frame turns under the linear velocity, (nv,)."""
+        """Compute dT/dt v_mujoco: the base frame turns under the linear velocity, (nv,)."""
         drift = np.zeros(len(state.v))
         drift[:3] = -np.cross(state.v[3:6], state.v[:3])
         return drift

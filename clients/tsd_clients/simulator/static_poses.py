@@ -54,13 +54,9 @@ def collect(
     inclinometer on the base tells the lean.
 
     Args:
-        simulator: The simulated robot.
-        controller: Local or remote.
-        count: Number of poses.
         inclinometer: Standard deviation of the base's measured inclination
             [rad]; None leaves it to the joint angles or, without the hardware
             effect 'flat_feet', to the truth.
-        seed: Of poses, start and sensors.
         progress: Called with (done, total) poses.
 
     Returns:
@@ -91,12 +87,11 @@ def collect(
 def with_noise(
     poses: Sequence[StaticPose], standard_deviation: float, *, seed: int = 0
 ) -> list[StaticPose]:
-    """The poses with noise on their centres of pressure.
+    """Add noise to the poses' centres of pressure.
 
     Args:
         poses: From ``collect``.
         standard_deviation: Along each axis [m].
-        seed: Of the noise.
     """
     noise = standard_deviation * np.random.default_rng((seed, 3)).standard_normal((len(poses), 2))
     return [
@@ -106,10 +101,9 @@ def with_noise(
 
 
 def true_center_of_mass(simulator: MujocoSimulator, q: Vector) -> Vector:
-    """Where the simulated robot's centre of mass is, (3,) [m], world frame.
+    """Compute the simulated robot's centre of mass, (3,) [m], world frame.
 
     Args:
-        simulator: The simulated robot.
         q: Configuration, (nq,).
     """
     data = mujoco.MjData(simulator.model)
@@ -187,7 +181,7 @@ class _Standing:
 
 
 def _as_believed(center: Vector, true: State, measured: State) -> Vector:
-    """A point of the ground where the robot believes it to be.
+    """Put a point of the ground where the robot believes it to be.
 
     Its force sensors tell it relative to its own body.
     """
@@ -196,7 +190,7 @@ def _as_believed(center: Vector, true: State, measured: State) -> Vector:
 
 
 def _inclined(robot: Robot, q: Vector, upwards: Vector) -> Vector:
-    """The base's pose leaned about the middle of the soles until upwards is up, (7,)."""
+    """Lean the base's pose about the middle of the soles until upwards is up, (7,)."""
     base = pinocchio.XYZQUATToSE3(q[:7])
     found = pinocchio.Quaternion.FromTwoVectors(base.rotation @ upwards, np.array([0.0, 0.0, 1.0]))
     middle = np.mean([sole.translation for sole in robot.sole_placements(q)], axis=0)
@@ -205,7 +199,7 @@ def _inclined(robot: Robot, q: Vector, upwards: Vector) -> Vector:
 
 
 def _stands_flat(robot: Robot, q: Vector) -> bool:
-    """Whether the soles lie in one plane, whatever the base's inclination."""
+    """Tell whether the soles lie in one plane, whatever the base's inclination."""
     soles = robot.sole_placements(q)
     normal = _unit(np.sum([sole.rotation[:, 2] for sole in soles], axis=0))
     heights = [normal @ sole.translation for sole in soles]

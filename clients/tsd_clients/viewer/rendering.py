@@ -41,8 +41,6 @@ def render_squat(robot: Robot, run: Run, out: Path) -> str:
     """Render the top and the bottom of the last lap, side by side.
 
     Args:
-        robot: The robot.
-        run: The run to take the postures from.
         out: Folder for squat.png.
 
     Returns:
@@ -66,10 +64,9 @@ def render_postures(
     """Render postures with one camera at rest.
 
     Args:
-        robot: The robot.
         postures: (N, nq), Pinocchio's convention.
-        width: Of a picture [pixels].
-        height: Of a picture [pixels].
+        width: [pixels].
+        height: [pixels].
 
     Returns:
         (N, height, width, 3) of bytes; None if no GL library works, see ``HINT``.
@@ -88,7 +85,7 @@ def render_postures(
 
 
 def side_by_side(frames: Pictures) -> Pictures:
-    """One picture of several.
+    """Put several pictures side by side.
 
     Args:
         frames: (N, height, width, 3).
@@ -100,7 +97,7 @@ def side_by_side(frames: Pictures) -> Pictures:
 
 
 def animate(frames: Pictures, seconds: float) -> bytes:
-    """A GIF that repeats for ever.
+    """Make a GIF that repeats for ever.
 
     Args:
         frames: (N, height, width, 3) of bytes.
