@@ -24,12 +24,14 @@ class Lap:
         error: Position error x_ref - x there, (k, N) [m]; None if it was not
             recorded, which is enough for the paper's rule.
         reference: x_ref, (k, N) [m]; None together with the error.
+        feedforward: What was fed forward, (k, N) [m/s^2]; None for none.
     """
 
     phase: Vector
     feedback: Matrix
     error: Matrix | None = None
     reference: Matrix | None = None
+    feedforward: Matrix | None = None
 
 
 def join_laps(laps: Sequence[Lap]) -> tuple[Vector, Matrix]:
@@ -65,7 +67,9 @@ def _agree(one: Lap, other: Lap) -> bool:
     for measure in (np.mean, np.std):
         a = measure(one.feedback, axis=1)
         b = measure(other.feedback, axis=1)
-        tolerance = np.maximum(RELATIVE_TOLERANCE * np.abs(a), ABSOLUTE_TOLERANCE)
+        whole = one.feedback if one.feedforward is None else one.feedback + one.feedforward
+        scale = np.abs(measure(whole, axis=1))
+        tolerance = np.maximum(RELATIVE_TOLERANCE * scale, ABSOLUTE_TOLERANCE)
         if not bool(np.all(np.abs(a - b) < tolerance)):
             return False
     return True
@@ -74,6 +78,8 @@ def _agree(one: Lap, other: Lap) -> bool:
 def first_steady_lap(laps: Sequence[Lap]) -> int | None:
     """The first lap from which on every lap agrees with the next.
 
+    The very first one never counts: the motion begins smoothly in it.
+
     Args:
         laps: Whole laps in order.
 
@@ -81,6 +87,6 @@ def first_steady_lap(laps: Sequence[Lap]) -> int | None:
         Its index, or None while the last two laps do not agree.
     """
     first = len(laps) - 1
-    while first > 0 and _agree(laps[first - 1], laps[first]):
+    while first > 1 and _agree(laps[first - 1], laps[first]):
         first -= 1
     return first if first < len(laps) - 1 else None

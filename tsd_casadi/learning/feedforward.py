@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -42,6 +42,24 @@ class Feedforward:
         """No feedforward."""
         nothing = np.zeros((len(axes), basis.L))
         return cls(axes, basis, nothing, nothing, "none")
+
+    def over(self, axes: tuple[str, ...]) -> Feedforward:
+        """The same along other axes: zero along those that it does not know."""
+        if axes == self.axes:
+            return self
+        known = {axis: index for index, axis in enumerate(self.axes)}
+        rows = [known.get(axis) for axis in axes]
+
+        def pick(weights: Matrix) -> Matrix:
+            nothing = np.zeros(self.basis.L)
+            return np.array([nothing if row is None else weights[row] for row in rows])
+
+        return replace(
+            self,
+            axes=axes,
+            weights=pick(self.weights),
+            standard_deviations=pick(self.standard_deviations),
+        )
 
     @property
     def iteration(self) -> int:

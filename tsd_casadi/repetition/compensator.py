@@ -8,7 +8,8 @@ from functools import partial
 import numpy as np
 
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.motions.motion import Reference
+from tsd_casadi.motions.motion import Motion, Reference
+from tsd_casadi.repetition.plant import Truth
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.command import Command
@@ -17,24 +18,42 @@ from tsd_casadi.tick.tick import Tick
 
 @dataclass(frozen=True)
 class Setting:
-    """What a run is about, told to each compensator at its start.
+    """What a repetition is about, told to compensators and observers at its start.
 
     Attributes:
         robot: The robot as the controller knows it.
         controller: Local or remote.
-        task: Name of the learned task.
-        component: Index of the learned axis among the task's axes.
-        axis: Index of the learned axis among all tasks' axes, as in
-            ``Tick.error``.
-        dt: Time step [s].
+        motion: What is done.
+        axes: Names 'task.axis' of all axes of the repetition, k of them.
+        learned: The first so many of them are learned, the others only move.
+        index: Where the axes are in ``Tick.error`` and ``Tick.feedback``, (k,).
+        period: Control period [s].
     """
 
     robot: Robot
     controller: WholeBodyController
-    task: str
-    component: int
-    axis: int
-    dt: float
+    motion: Motion
+    axes: tuple[str, ...]
+    learned: int
+    index: Vector
+    period: float
+
+    def gain(self, command: Command, name: str) -> Vector:
+        """A gain of every axis.
+
+        Args:
+            name: 'P' or 'D'.
+
+        Returns:
+            (k,) [1/s^2] or [1/s].
+        """
+        found = np.empty(len(self.axes))
+        for place, axis in enumerate(self.axes):
+            task, _, component = axis.rpartition(".")
+            found[place] = command[f"{task}.{name}"][
+                self.controller.format.component_index(task, component)
+            ]
+        return found
 
 
 @dataclass(slots=True)
@@ -42,22 +61,25 @@ class Moment:
     """One tick while it is being prepared and answered.
 
     Attributes:
-        time: Of the run [s].
+        time: Since the repetition began [s].
         phase: phi [rad], not wrapped.
         lap: -1 while holding.
         state: As measured.
-        reference: Along the learned axis, relative to the middle of the motion.
-        feedforward: Acceleration added along the learned axis [m/s^2].
-        command: The command. What the motion sets in it, reference and
-            feedforward of the learned task, is written after all compensators
-            were asked; before that it is the previous tick's.
-        shift: Added to the task's position reference, (3,) [m], world axes. The
-            controller's error is that to the shifted reference, the true error
-            of the records that to the motion's.
+        reference: Of the axes, relative to the middle of the motion, (k,) each.
+        feedforward: Acceleration added along the axes, (k,) [m/s^2, rad/s^2].
+        command: The command. What the motion sets in it, references and
+            feedforward of the axes, is written after all compensators were
+            asked; before that it is the previous tick's.
+        shift: Added to the position reference of the centre of mass, (3,) [m],
+            world axes. The controller's error is that to the shifted reference,
+            the true error of the records that to the motion's.
         shift_rate: Added to its velocity reference, (3,) [m/s].
+        truth: Where somebody knows it.
         tick: The answer; only after the tick.
         tau: The torque that will be applied, (n,) [N m], cut off at the robot's
             torque limits; only after the tick.
+        true_error: Of the axes, (k,) [m, rad]; NaN where nobody knows it.
+        tick_time: Round trip of the tick [us]; only after the tick.
     """
 
     time: float
@@ -65,12 +87,15 @@ class Moment:
     lap: int
     state: State
     reference: Reference
-    feedforward: float
+    feedforward: Vector
     command: Command
     shift: Vector = field(default_factory=partial(np.zeros, 3))
     shift_rate: Vector = field(default_factory=partial(np.zeros, 3))
+    truth: Truth | None = None
     tick: Tick | None = None
     tau: Vector = field(default_factory=partial(np.zeros, 0))
+    true_error: Vector = field(default_factory=partial(np.zeros, 0))
+    tick_time: float = 0.0
 
 
 class Compensator:
@@ -79,13 +104,19 @@ class Compensator:
     Before a tick it may change ``feedforward``, ``shift`` and ``shift_rate`` of
     the moment; after it, ``tau``. Several compensators are asked in the order of
     their list, each sees what those before it changed.
+
+    Attributes:
+        veto: Why the feedforward is no longer in use, for people; None while it is.
+            What ran under a veto is recorded as run without feedforward.
     """
 
+    veto: str | None = None
+
     def start(self, setting: Setting) -> None:
-        """Called once at the start of each run, before its first tick.
+        """Called once at the start of each repetition, before its first tick.
 
         Args:
-            setting: What the run is about.
+            setting: What it is about.
         """
 
     def before(self, moment: Moment) -> None:

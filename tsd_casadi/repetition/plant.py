@@ -2,33 +2,69 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+import abc
+from dataclasses import dataclass
+from typing import Any
 
+from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 
 
-class Plant(Protocol):
-    """A robot during one repetition, one control period at a time."""
+@dataclass(frozen=True)
+class Truth:
+    """What a simulation knows and a robot does not.
 
-    @property
-    def period(self) -> float:
-        """Control period [s]."""
+    Attributes:
+        state: The true state.
+        com: The true centre of mass, (3,) [m], world frame.
+    """
 
-    @property
-    def com(self) -> Vector:
-        """True centre of mass of the last measurement, (3,) [m], world frame."""
+    state: State
+    com: Vector
 
-    def measure(self) -> tuple[State, State]:
-        """The state now.
 
-        Returns:
-            The true state, and the one that the sensors tell.
+class Plant(abc.ABC):
+    """A robot, one control period at a time.
+
+    Attributes:
+        robot: The robot as its files describe it, which is what the controller
+            believes.
+        period: Control period [s].
+        position_time: When the positions that ``measure`` tells belong to,
+            seconds after the instant at which it is called.
+        velocity_time: The same of the velocities. References are evaluated at
+            these two times.
+    """
+
+    robot: Robot
+    period: float = 1e-3
+    position_time: float = 0.0
+    velocity_time: float = 0.0
+
+    def start(self, posture: State, seed: int = 0) -> None:
+        """Bring the robot to rest in a posture before a repetition begins.
+
+        Args:
+            posture: Soles flat, joints as the motion's middle.
+            seed: Of whatever is random about it.
         """
 
-    def step(self, tau: Vector, time: float) -> None:
+    @abc.abstractmethod
+    def measure(self) -> State:
+        """The state as the sensors tell it now."""
+
+    @abc.abstractmethod
+    def apply(self, tau: Vector) -> None:
         """Apply a torque for one control period.
 
         Args:
-            tau: Commanded, (n,) [N m].
-            time: Since the repetition began [s].
+            tau: (n,) [N m].
         """
+
+    def truth(self) -> Truth | None:
+        """The truth at the last measurement, where somebody knows it."""
+        return None
+
+    def settings(self) -> dict[str, Any]:
+        """What a record of a repetition should say about it, plain data."""
+        return {}

@@ -1,7 +1,8 @@
-"""One repetition in lock-step: simulator and controller, tick by tick."""
+"""One repetition in lock-step: plant and controller, tick by tick."""
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from time import perf_counter
@@ -13,16 +14,20 @@ from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.encoding.laps import Lap, first_steady_lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.encoding.phase_oscillator import PhaseOscillator
-from tsd_casadi.exceptions import SimulationError
+from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.hold import hold
 from tsd_casadi.motions.motion import Motion, Reference
+from tsd_casadi.motions.ranges import check_motion
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
-from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
-from tsd_casadi.repetition.gains import Gains
+from tsd_casadi.repetition.gains import UNCHANGED, Gains
+from tsd_casadi.repetition.observer import Observer
 from tsd_casadi.repetition.plant import Plant
+from tsd_casadi.repetition.references import References
 from tsd_casadi.repetition.run import Run
+from tsd_casadi.repetition.tick_log import TickLog
 from tsd_casadi.robot.robot import Robot
+from tsd_casadi.state import Vector
 from tsd_casadi.tick.format import Status
 
 HOLD = 1.0  # s
@@ -33,122 +38,168 @@ FALL_HEIGHT = 0.6
 FLIGHT_HEIGHT = 2.0
 BLOWN_UP = 1e3  # norm of v: no robot, but a simulation that became unstable
 
-COLUMNS = (
-    "time",
-    "phase",
-    "lap",
-    "reference",
-    "error",
-    "true_error",
-    "feedback",
-    "feedforward",
-    "all_errors",
-    "q",
-    "v",
-    "tau",
-    "wrenches",
-    "status",
-    "compute_us",
-    "tick_us",
-)
-LAP_COLUMNS = [COLUMNS.index(name) for name in ("phase", "feedback", "error", "reference")]
-SINGLE_PRECISION = ("all_errors", "q", "v", "tau", "wrenches")
-
 Progress = Callable[[float, float], None]
 
 
-class Repetition:
-    """One run while it is under way: hold, move in laps, finish."""
+def usual_axes(robot: Robot, motion: Motion) -> tuple[str, ...]:
+    """The axes that are learned if nobody says otherwise.
+
+    Those that move and all of the centre of mass, since a wrong model moves
+    every one of them.
+    """
+    tasks = robot.description.tasks
+    com = [f"{task.name}.{axis}" for task in tasks if task.type == "com" for axis in task.axes]
+    return tuple(dict.fromkeys((*motion.axes(robot), *com)))
+
+
+def repeat(
+    plant: Plant,
+    controller: WholeBodyController,
+    motion: Motion,
+    *,
+    axes: Sequence[str] | None = None,
+    laps: int = 3,
+    feedforward: Feedforward | None = None,
+    gains: Gains = UNCHANGED,
+    compensators: Sequence[Compensator] = (),
+    observers: Sequence[Observer] = (),
+    seed: int = 0,
+    transport: str = "local",
+    progress: Progress | None = None,
+) -> Run:
+    """Do one repetition of a motion in lock-step with a controller.
+
+    The robot holds the middle of the motion for one second with the feedforward
+    of the starting phase, then moves. Laps are added until two consecutive ones
+    agree, up to a bound.
+
+    Args:
+        plant: Simulated or real.
+        controller: Local or remote.
+        motion: What to do.
+        axes: What is learned, 'task.axis'; see ``usual_axes``.
+        laps: Least number of laps.
+        feedforward: Learned term; none by default. Where it has fewer axes, it is
+            zero along the others.
+        gains: Factors on the gains of the learned tasks.
+        compensators: What else changes commands and torques.
+        observers: Who watches.
+        seed: Of whatever is random about the plant.
+        transport: How the controller is reached, for the records.
+        progress: Called with (done, total) seconds of the repetition.
+
+    Returns:
+        The run.
+
+    Raises:
+        InvalidValue: If motion, axes or settings are out of range.
+        SimulationError: If the controller serves another robot.
+    """
+    robot = plant.robot
+    check_motion(robot, motion)
+    if laps < 2:
+        raise InvalidValue("laps", laps, "at least 2, the first one settles")
+    learned = tuple(usual_axes(robot, motion) if axes is None else axes)
+    if len(set(learned)) < len(learned) or not learned:
+        raise InvalidValue("axes", ", ".join(learned) or "none", "at least one axis, none twice")
+    repetition = _Repetition(
+        plant, controller, motion, learned, feedforward, gains, compensators, observers
+    )
+    plant.start(motion.middle(robot), seed)
+    outcome = "aborted"
+    try:
+        repetition.hold(progress)
+        repetition.move(laps, progress)
+        outcome = repetition.outcome
+    finally:
+        for observer in observers:
+            observer.end(outcome)
+    settings = {
+        **plant.settings(),
+        "period_s": plant.period,
+        "p_scale": gains.P,
+        "d_scale": gains.D,
+        "transport": transport,
+        "seed": seed,
+    }
+    return repetition.finish(settings)
+
+
+class _Repetition:
+    """One repetition while it is under way: hold, move in laps, finish."""
 
     def __init__(
         self,
-        robot: Robot,
         plant: Plant,
         controller: WholeBodyController,
         motion: Motion,
+        learned: tuple[str, ...],
         feedforward: Feedforward | None,
         gains: Gains,
         compensators: Sequence[Compensator],
+        observers: Sequence[Observer],
     ) -> None:
-        """Prepare a run.
-
-        Args:
-            robot: The robot as the controller knows it.
-            plant: The robot at its start.
-            controller: Local or remote.
-            motion: What to do.
-            feedforward: Learned term, or none.
-            gains: Factors on the learned task's gains.
-            compensators: What else changes commands and torques.
-
-        Raises:
-            SimulationError: If controller or feedforward are for something else.
-        """
-        tick_format = controller.format
+        robot, tick_format = plant.robot, controller.format
         if tick_format.robot != robot.name or tick_format.joints != tuple(robot.joint_names):
             raise SimulationError(
-                f"the controller serves robot '{tick_format.robot}', the simulation is of "
+                f"the controller serves robot '{tick_format.robot}', the plant is a "
                 f"'{robot.name}'; start both with the same --robot"
             )
-        self._robot = robot
-        self._plant = plant
-        self._controller = controller
+        self._robot, self._plant, self._controller = robot, plant, controller
         self._motion = motion
-        self._task = motion.task(robot)
-        axis = f"{self._task}.{motion.axis}"
-        self._feedforward = feedforward or Feedforward.zero((axis,), PeriodicBasis())
-        if self._feedforward.axes != (axis,):
-            raise SimulationError(
-                f"the feedforward is for {', '.join(self._feedforward.axes)}, the motion "
-                f"moves {axis}"
-            )
-        self._axis = tick_format.axis_index(self._task, motion.axis)
-        self._component = tick_format.component_index(self._task, motion.axis)
-        self._world_axis = "xyz".index(motion.axis)
-        self._wrenches = tick_format.reply.slice("wrenches")
+        self._moved = motion.axes(robot)
+        axes = (*learned, *(axis for axis in self._moved if axis not in learned))
+        self._learned = len(learned)
+        self._places = np.array([axes.index(axis) for axis in self._moved], dtype=int)
+        self._feedforward = (
+            Feedforward.zero(learned, PeriodicBasis())
+            if feedforward is None
+            else feedforward.over(learned)
+        )
         self._command = controller.command()
         hold(self._command, robot, motion.middle(robot))
-        self._command[f"{self._task}.P"] *= gains.P
-        self._command[f"{self._task}.D"] *= gains.D
-        # views into the request vector
-        self._x = self._command[f"{self._task}.reference"]
-        self._xd = self._command[f"{self._task}.reference_velocity"]
-        self._xdd = self._command[f"{self._task}.reference_acceleration"]
-        self._ff = self._command[f"{self._task}.feedforward"]
-        self._middle = self._x.copy()
-        # world axes that the task controls, in its order
-        axes = [name for task, name in tick_format.axes if task == self._task]
-        self._moved = np.array(["xyz".index(name) for name in axes])
+        for task in dict.fromkeys(axis.rpartition(".")[0] for axis in learned):
+            # an unknown task is told by References, with those that there are
+            if f"{task}.P" in tick_format.request.slices:
+                self._command[f"{task}.P"] *= gains.P
+                self._command[f"{task}.D"] *= gains.D
+        self._references = References(robot, tick_format, self._command, axes)
         self._oscillator = PhaseOscillator(motion.frequency, motion.start_phase)
         self._fall_height = FALL_HEIGHT * float(robot.home_com[2])
         self._flight_height = FLIGHT_HEIGHT * float(robot.home_com[2])
-        self._rows: list[tuple[Any, ...]] = []
+        self._log = TickLog()
         self._laps: list[Lap] = []
-        self._lap_starts: list[int] = []
         self._fell = False
         self._steady = False
-        self._compensators = compensators
-        setting = Setting(
+        self._compensators, self._observers = compensators, (self._log, *observers)
+        self._setting = Setting(
             robot=robot,
             controller=controller,
-            task=self._task,
-            component=self._component,
-            axis=self._axis,
-            dt=plant.period,
+            motion=motion,
+            axes=axes,
+            learned=self._learned,
+            index=self._references.index,
+            period=plant.period,
         )
-        for compensator in compensators:
-            compensator.start(setting)
+        for watcher in (*compensators, *self._observers):
+            watcher.start(self._setting)
+
+    @property
+    def outcome(self) -> str:
+        """How it ended, in a word or two."""
+        return "fell" if self._fell else "steady" if self._steady else "never steady"
 
     @property
     def _time(self) -> float:
-        return self._plant.period * len(self._rows)
+        return self._plant.period * self._log.ticks
 
     def hold(self, progress: Progress | None) -> None:
         """Stand in the middle of the motion; the feedforward is that of the starting phase."""
         ticks = round(HOLD / self._plant.period)
-        feedforward = float(self._feedforward.mean([self._motion.start_phase])[0, 0])
+        still = self._resting()
+        feedforward = self._along(self._feedforward.mean([self._motion.start_phase]))[:, 0]
         for tick in range(ticks):
-            self._tick(-1, Reference(0.0, 0.0, 0.0), feedforward)
+            self._tick(-1, still, feedforward.copy())
             if progress is not None and tick % 200 == 0:
                 progress(self._time, 2 * HOLD)
             if self._fell:
@@ -169,34 +220,32 @@ class Repetition:
 
     def finish(self, settings: dict[str, Any]) -> Run:
         """Measure and pack up."""
-        log = {
-            name: np.array([row[column] for row in self._rows])
-            for column, name in enumerate(COLUMNS)
-        }
-        first = first_steady_lap(self._laps)
-        measured = np.zeros(len(log["time"]), dtype=bool)
-        laps: list[Lap] = []
+        first = None
         if len(self._laps) >= 2 and not self._fell:
+            first = first_steady_lap(self._laps)
             first = len(self._laps) - 2 if first is None else first
-            laps = self._laps[first:]
-            measured[self._lap_starts[first] :] = True
-        log["measured"] = measured
-        for name in SINGLE_PRECISION:
-            log[name] = log[name].astype(np.float32)
+        log = self._log.log(first)
         statuses = Counter(int(status) for status in log["status"])
+        vetoes = [item.veto for item in self._compensators if item.veto is not None]
+        feedforward = self._feedforward
+        if vetoes:
+            feedforward = Feedforward.zero(feedforward.axes, feedforward.basis)
         return Run(
             robot=self._robot.name,
             motion=self._motion,
-            feedforward=self._feedforward_in_the_end(),
+            axes=self._setting.axes,
+            feedforward=feedforward,
             gains={
-                field: self._command[f"{self._task}.{field}"].tolist() for field in ("P", "D", "W")
+                name: self._setting.gain(self._command, name)[: self._learned].tolist()
+                for name in ("P", "D")
             },
             settings=settings,
             log=log,
-            laps=laps,
+            laps=[] if first is None else self._laps[first:],
             laps_run=len(self._laps),
             steady=self._steady,
             fell=self._fell,
+            vetoes=vetoes,
             failures={
                 Status(status).name.lower(): count
                 for status, count in statuses.items()
@@ -204,81 +253,92 @@ class Repetition:
             },
         )
 
-    def _feedforward_in_the_end(self) -> Feedforward:
-        """The one of the measured laps: none if the gate dropped it."""
-        feedforward = self._feedforward
-        gates = [item for item in self._compensators if isinstance(item, FeedforwardGate)]
-        if any(gate.dropped_at is not None for gate in gates):
-            return Feedforward.zero(feedforward.axes, feedforward.basis)
-        return feedforward
+    def _along(self, learned: Vector) -> Vector:
+        """Values of the learned axes as values of all axes, zero along the others."""
+        rest = np.zeros((len(self._setting.axes) - self._learned, learned.shape[1]))
+        return np.concatenate((learned, rest))
+
+    def _resting(self) -> Reference:
+        nothing = np.zeros(len(self._setting.axes))
+        return Reference(nothing, nothing, nothing)
 
     def _lap(self) -> None:
-        start = len(self._rows)
+        start = self._log.ticks
         lap, step = self._oscillator.lap, self._oscillator.omega * self._plant.period
         # the whole lap's feedforward at once: a matrix product, not 4000
-        count = int(2 * np.pi / step) + 2
+        count = math.ceil(2 * np.pi / step) + 1
         ahead = self._oscillator.phase + step * np.arange(count)
-        feedforward = self._feedforward.mean(ahead)[0]
+        feedforward = self._along(self._feedforward.mean(ahead))
         tick = 0
         while self._oscillator.lap == lap and not self._fell:
-            reference = self._motion.reference(self._oscillator.elapsed)
-            self._tick(lap, reference, float(feedforward[tick]))
+            self._tick(lap, self._reference(), feedforward[:, tick].copy())
             self._oscillator.advance(self._plant.period)
             tick += 1
         if not self._fell:
-            self._lap_starts.append(start)
-            phase, *rows = (
-                np.array([row[column] for row in self._rows[start:]]) for column in LAP_COLUMNS
+            rows, k = self._log.columns(start), self._learned
+            done = Lap(
+                phase=rows["phase"],
+                feedback=rows["feedback"].T[:k],
+                error=rows["error"].T[:k],
+                reference=rows["reference"].T[:k],
+                feedforward=rows["feedforward"].T[:k],
             )
-            feedback, error, wanted = (values[None, :] for values in rows)
-            self._laps.append(Lap(phase, feedback, error, wanted))
+            self._laps.append(done)
+            for observer in self._observers:
+                observer.lap(done)
 
-    def _tick(self, lap: int, reference: Reference, feedforward: float) -> None:
-        plant, axis, time = self._plant, self._world_axis, self._time
-        true, state = plant.measure()
-        com = plant.com
-        # NaN is a fall as well
-        stands = self._fall_height < com[2] < self._flight_height
-        if not (stands and true.v @ true.v < BLOWN_UP**2):
+    def _reference(self) -> Reference:
+        """Positions and velocities each at the time to which the measured ones belong."""
+        omega, elapsed, plant = self._oscillator.omega, self._oscillator.elapsed, self._plant
+        here = self._motion.reference(elapsed + omega * plant.position_time)
+        there = (
+            here
+            if plant.velocity_time == plant.position_time
+            else self._motion.reference(elapsed + omega * plant.velocity_time)
+        )
+        full = self._resting()
+        x, xd, xdd = full.x.copy(), full.xd.copy(), full.xdd.copy()
+        x[self._places], xd[self._places], xdd[self._places] = here.x, there.xd, here.xdd
+        return Reference(x, xd, xdd)
+
+    def _tick(self, lap: int, reference: Reference, feedforward: Vector) -> None:
+        plant, time = self._plant, self._time
+        state, truth = plant.measure(), plant.truth()
+        if not self._stands(state if truth is None else truth.state, truth):
             self._fell = True
             return
         moment = Moment(
             time, self._oscillator.phase, lap, state, reference, feedforward, self._command
         )
+        moment.truth = truth
         for compensator in self._compensators:
             compensator.before(moment)
-        self._write(moment)
-        before = perf_counter()
-        tick = self._controller.tick(state, self._command)
-        after = perf_counter()
-        moment.tick, moment.tau = tick, tick.tau
-        if self._compensators:
-            self._correct_torque(moment)
-        wanted = self._middle[axis] + reference.x
-        error = tick.error
-        self._rows.append(
-            (
-                time,
-                moment.phase,
-                lap,
-                wanted,
-                error[self._axis],
-                wanted - com[axis],
-                tick.feedback[self._axis],
-                moment.feedforward,
-                error,
-                true.q,
-                true.v,
-                moment.tau,
-                tick.reply[self._wrenches],
-                int(tick.reply[0]),
-                tick.compute_time,
-                1e6 * (after - before),
-            )
+        self._references.write(reference.x, reference.xd, reference.xdd, moment.feedforward)
+        moment.true_error = (
+            np.full(len(self._setting.axes), np.nan)
+            if truth is None
+            else self._references.errors(truth.state, truth.com)
         )
-        plant.step(moment.tau, time)
+        if moment.shift.any() or moment.shift_rate.any():
+            self._references.shift(moment.shift, moment.shift_rate)
+        before = perf_counter()
+        moment.tick = self._controller.tick(state, self._command)
+        moment.tick_time = 1e6 * (perf_counter() - before)
+        moment.tau = moment.tick.tau
+        if self._compensators:
+            self._ask_after(moment)
+        for observer in self._observers:
+            observer.tick(moment)
+        plant.apply(moment.tau)
 
-    def _correct_torque(self, moment: Moment) -> None:
+    def _stands(self, state: Any, truth: Any) -> bool:
+        """Whether the robot is on its feet; NaN is a fall as well."""
+        if not float(state.v @ state.v) < BLOWN_UP**2:
+            return False
+        com = self._robot.center_of_mass(state.q) if truth is None else truth.com
+        return bool(self._fall_height < com[2] < self._flight_height)
+
+    def _ask_after(self, moment: Moment) -> None:
         """Ask the compensators; no motor gives more than its limit."""
         # a copy: the tick's answer stays what the controller said
         moment.tau = moment.tau.copy()
@@ -286,12 +346,3 @@ class Repetition:
             compensator.after(moment)
         limit = self._robot.torque_limit
         moment.tau = np.clip(moment.tau, -limit, limit)
-
-    def _write(self, moment: Moment) -> None:
-        """Reference, feedforward and compensators into the command."""
-        component, reference = self._component, moment.reference
-        np.add(self._middle, moment.shift, out=self._x)
-        self._x[self._world_axis] += reference.x
-        np.take(moment.shift_rate, self._moved, out=self._xd)
-        self._xd[component] += reference.xd
-        self._xdd[component], self._ff[component] = reference.xdd, moment.feedforward

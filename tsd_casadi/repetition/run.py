@@ -1,10 +1,9 @@
-"""The outcome of one simulated repetition."""
+"""The outcome of one repetition."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,20 +21,23 @@ class Run:
     Attributes:
         robot: Name of the robot.
         motion: What was done.
+        axes: All axes of the repetition; the first ones are learned.
         feedforward: The feedforward in use.
-        gains: Gains of the learned task, by field name.
+        gains: P and D of the learned axes.
         settings: Model error, p scale, transport, seed.
-        log: One array per quantity, first axis the tick; see ``LOG_UNITS``.
-        laps: The steady laps with the feedback along the learned axis.
+        log: One array per quantity, first axis the tick; see ``tick_log``.
+        laps: The steady laps with the feedback along the learned axes.
         laps_run: All whole laps.
         steady: Whether the feedback settled; if not, the last two laps are
             measured.
         fell: Whether the robot fell, which ends the run.
+        vetoes: Why the feedforward was dropped.
         failures: Ticks answered with a safe torque, by status name.
     """
 
     robot: str
     motion: Motion
+    axes: tuple[str, ...]
     feedforward: Feedforward
     gains: dict[str, list[float]]
     settings: dict[str, Any]
@@ -44,6 +46,7 @@ class Run:
     laps_run: int
     steady: bool
     fell: bool
+    vetoes: list[str]
     failures: dict[str, int]
 
     @property
@@ -51,108 +54,42 @@ class Run:
         """Number of control ticks."""
         return len(self.log["time"])
 
-    def _measured(self, name: str) -> Vector:
+    def along(self, name: str, axis: str) -> Vector:
+        """One axis of a quantity of the log, every tick.
+
+        Args:
+            name: 'error', 'feedback', ...
+            axis: 'task.axis'.
+        """
+        return np.asarray(self.log[name][:, self.axes.index(axis)])
+
+    def measured(self, name: str) -> Vector:
+        """A quantity in the steady laps, all axes, (N, k)."""
         return np.asarray(self.log[name][self.log["measured"]])
 
     @property
-    def rms_error(self) -> float:
-        """RMS of the error as the controller sees it [m]; NaN if nothing was measured."""
-        return _rms(self._measured("error"))
+    def axis_errors(self) -> dict[str, dict[str, float]]:
+        """The measures of every learned axis."""
+        found = {}
+        for place, axis in enumerate(self.feedforward.axes):
+            error, true, feedback = (
+                self.measured(name)[:, place] for name in ("error", "true_error", "feedback")
+            )
+            nothing = not len(error)
+            found[axis] = {
+                "rms_error": _rms(error),
+                "peak_error": math.nan if nothing else float(np.max(np.abs(error))),
+                "ac_rms_error": math.nan if nothing else _rms(error - error.mean()),
+                "true_rms_error": _rms(true),
+                "mean_abs_feedback": math.nan if nothing else float(np.mean(np.abs(feedback))),
+            }
+        return found
 
     @property
-    def peak_error(self) -> float:
-        """Largest absolute error as the controller sees it [m]."""
-        error = self._measured("error")
-        return float(np.max(np.abs(error))) if error.size else math.nan
-
-    @property
-    def ac_rms_error(self) -> float:
-        """RMS of the error without its mean, as the controller sees it [m]."""
-        error = self._measured("error")
-        return _rms(error - error.mean()) if error.size else math.nan
-
-    @property
-    def true_rms_error(self) -> float:
-        """RMS of the simulated robot's own error [m]."""
-        return _rms(self._measured("true_error"))
-
-    @property
-    def mean_abs_feedback(self) -> float:
-        """Mean absolute feedback term [m/s^2]."""
-        feedback = self._measured("feedback")
-        return float(np.mean(np.abs(feedback))) if feedback.size else math.nan
-
-    @property
-    def tick_us(self) -> dict[str, float]:
-        """Round trip of a tick as the client sees it [us]."""
-        times = self.log["tick_us"]
-        return {
-            "p50": float(np.percentile(times, 50)),
-            "p99": float(np.percentile(times, 99)),
-            "max": float(np.max(times)),
-        }
-
-    def errors(self) -> dict[str, float]:
-        """The measures that a database entry keeps."""
-        return {
-            "rms_error_m": self.rms_error,
-            "peak_error_m": self.peak_error,
-            "ac_rms_error_m": self.ac_rms_error,
-            "true_rms_error_m": self.true_rms_error,
-            "mean_abs_feedback": self.mean_abs_feedback,
-        }
-
-    def summary(self) -> dict[str, Any]:
-        """Everything but the log, as plain data for JSON; null where nothing was measured."""
-        parameters = self.motion.parameters
-        return {
-            "robot": self.robot,
-            "task": self.motion.name,
-            "amplitude_m": parameters.get("amplitude"),
-            "frequency_hz": self.motion.frequency,
-            **self.settings,
-            "feedforward": self.feedforward.kind,
-            "iteration": self.feedforward.iteration,
-            "gains": self.gains,
-            **{name: None if math.isnan(x) else x for name, x in self.errors().items()},
-            "steady": self.steady,
-            "laps_run": self.laps_run,
-            "laps_measured": len(self.laps),
-            "fell": self.fell,
-            "failures": self.failures,
-            "ticks": self.ticks,
-            "tick_us": self.tick_us,
-        }
-
-    def save_log(self, path: Path) -> None:
-        """Write the per-tick log as a compressed npz.
-
-        Args:
-            path: The file.
-        """
-        path.parent.mkdir(parents=True, exist_ok=True)
-        np.savez_compressed(path, **self.log)  # type: ignore[arg-type]
-
-
-LOG_UNITS = {
-    "time": "s",
-    "phase": "rad",
-    "lap": "1, -1 while holding",
-    "measured": "whether the tick is in a steady lap",
-    "reference": "m, along the learned axis, world",
-    "error": "m, as the controller sees it",
-    "true_error": "m, of the simulated robot",
-    "feedback": "m/s^2, along the learned axis",
-    "feedforward": "m/s^2, along the learned axis",
-    "all_errors": "m, rad, all axes of all tasks",
-    "q": "Pinocchio's convention",
-    "v": "Pinocchio's convention",
-    "tau": "N m",
-    "wrenches": "N, N m, sole frames",
-    "status": "0 ok",
-    "compute_us": "us, inside the compiled function",
-    "tick_us": "us, round trip as the client sees it",
-}
+    def rank(self) -> float:
+        """By which iterations are ranked: RMS over the axes of P times the RMS error."""
+        errors = [each["rms_error"] for each in self.axis_errors.values()]
+        return _rms(np.array(self.gains["P"]) * np.array(errors))
 
 
 def _rms(values: Vector) -> float:

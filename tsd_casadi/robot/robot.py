@@ -138,6 +138,33 @@ class Robot:
         """Pinocchio's index of each contact's frame."""
         return [self.model.getFrameId(contact.frame) for contact in self.description.contacts]
 
+    def axis_for(self, motion: str, kind: str, axis: str, prefer: str = "") -> str:
+        """The axis 'task.axis' that carries a motion.
+
+        Args:
+            motion: Name of the motion; the robot file may name its task.
+            kind: 'com' or 'frame'.
+            axis: Name of the axis in its task.
+            prefer: Name of the task to take if there are several; else the first.
+
+        Raises:
+            InvalidValue: If no task of that kind has the axis.
+        """
+        tasks = {part.name: part for part in self.description.tasks}
+        able = [name for name, part in tasks.items() if part.type == kind and axis in part.axes]
+        part = self.description.motions.get(motion)
+        wanted = None if part is None else part.task
+        if wanted in able:
+            return f"{wanted}.{axis}"
+        if wanted is not None or not able:
+            known = ", ".join(f"{name} ({' '.join(part.axes)})" for name, part in tasks.items())
+            raise InvalidValue(
+                f"the task of {motion}",
+                str(wanted),
+                f"a {kind} task with axis {axis} among {known}",
+            )
+        return f"{prefer if prefer in able else able[0]}.{axis}"
+
     def put_on_ground(self, q: Vector) -> Vector:
         """A configuration raised or lowered until its soles are at z = 0 on average.
 

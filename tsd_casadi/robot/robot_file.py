@@ -166,30 +166,22 @@ class HardwareFile(Section):
     velocity_filter: NonNegative
 
 
-class SquatFile(Section):
-    """What squats this robot can do.
+class MotionFile(BaseModel):
+    """What this robot can do of one motion: ranges of its parameters, by name.
 
     Attributes:
-        task: Name of the centre-of-mass task that carries them.
-        amplitude: Range, half of peak to peak, (low, high) [m].
-        frequency: Range (low, high) [Hz].
-        height: Range of the middle of the motion above home (low, high) [m].
+        task: Name of the task that carries it; chosen by the motion if left out.
     """
 
-    task: Name
-    amplitude: tuple[Positive, Positive]
-    frequency: tuple[Positive, Positive]
-    height: tuple[Finite, Finite] = (0.0, 0.0)
+    model_config = ConfigDict(extra="allow", frozen=True)
+    __pydantic_extra__: dict[str, tuple[Finite, Finite]]
 
+    task: Name | None = None
 
-class MotionsFile(Section):
-    """The motions this robot can do.
-
-    Attributes:
-        squat: Vertical sinusoidal squat.
-    """
-
-    squat: SquatFile
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """(low, high) by name of the parameter, SI units."""
+        return dict(self.__pydantic_extra__)
 
 
 class RobotFile(Section):
@@ -206,7 +198,7 @@ class RobotFile(Section):
         regularization: Weights on forces and accelerations.
         limits: Limits beyond those of the URDF.
         safe_torque: What a failed tick answers with.
-        motions: The motions the robot can do.
+        motions: Narrower ranges of motions than the robot could reach, by name.
         postures: Other postures by name, joint angles as for home.
         hardware: What the real robot has beyond rigid bodies; None if unknown.
     """
@@ -224,7 +216,7 @@ class RobotFile(Section):
     regularization: RegularizationFile
     limits: LimitsFile
     safe_torque: SafeTorqueFile
-    motions: MotionsFile
+    motions: dict[Name, MotionFile] = Field(default_factory=dict)
     postures: dict[Name, dict[str, Finite]] = Field(default_factory=dict)
     hardware: HardwareFile | None = None
 
@@ -294,17 +286,13 @@ def _expectation(error: Any) -> str:
 
 
 def _check_ranges(path: Path, robot_file: RobotFile) -> None:
-    squat = robot_file.motions.squat
     ranges = [
-        ("motions.squat.amplitude", squat.amplitude),
-        ("motions.squat.frequency", squat.frequency),
+        (f"motions.{motion}.{name}", bounds)
+        for motion, part in robot_file.motions.items()
+        for name, bounds in part.ranges.items()
     ]
     for index, contact in enumerate(robot_file.contacts):
         ranges += [(f"contacts.{index}.x", contact.x), (f"contacts.{index}.y", contact.y)]
-    if squat.height[0] > 0 or squat.height[1] < 0:
-        raise RobotFileError(
-            path, "motions.squat.height", f"is {list(squat.height)}", "a range that holds 0, home"
-        )
     if "home" in robot_file.postures:
         raise RobotFileError(
             path, "postures.home", "is home, which has its own field", "another name for it"
@@ -338,11 +326,11 @@ def _check_ranges(path: Path, robot_file: RobotFile) -> None:
                 f"the name '{name}' is used twice or reserved",
                 f"unique names other than {', '.join(reserved)}",
             )
-    carriers = [task.name for task in robot_file.tasks if task.type == "com" and "z" in task.axes]
-    if squat.task not in carriers:
-        raise RobotFileError(
-            path,
-            "motions.squat.task",
-            f"is '{squat.task}'",
-            f"a centre-of-mass task with axis z (there are: {', '.join(carriers) or 'none'})",
-        )
+    for motion, part in robot_file.motions.items():
+        if part.task is not None and part.task not in [task.name for task in robot_file.tasks]:
+            raise RobotFileError(
+                path,
+                f"motions.{motion}.task",
+                f"is '{part.task}'",
+                f"one of the tasks {', '.join(task.name for task in robot_file.tasks)}",
+            )

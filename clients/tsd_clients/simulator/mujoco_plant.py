@@ -14,14 +14,11 @@ from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.hardware import SENSOR_EFFECTS, Actuators, Encoders, FlatFeetEstimator
 from tsd_clients.simulator.state_map import StateMap
 
-TIMESTEP = 1e-3  # s
-
 
 class MujocoPlant:
     """One simulated robot during one repetition.
 
     Attributes:
-        period: Control period, one step of the simulation [s].
         com: True centre of mass of the last measurement, (3,) [m], world frame.
     """
 
@@ -34,14 +31,16 @@ class MujocoPlant:
         effects: Sequence[str],
         disturbances: Sequence[Disturbance],
         seed: int,
+        substeps: int = 1,
     ) -> None:
         """Put the robot at its start.
 
         Args:
             model: ``mujoco.MjModel``.
+            substeps: Steps of the simulation in one control period.
             standing: A posture with the soles where the robot believes them.
         """
-        self.period = TIMESTEP
+        self._substeps, self._dt = substeps, float(model.opt.timestep)
         self._model = model
         self._data = mujoco.MjData(model)
         self._state_map = StateMap(robot, model)
@@ -55,10 +54,10 @@ class MujocoPlant:
         self._estimator: FlatFeetEstimator | None = None
         hardware = robot.description.hardware
         if effects and hardware is not None:
-            self._actuators = Actuators(hardware, effects, TIMESTEP)
+            self._actuators = Actuators(hardware, effects, self._dt)
             if any(effect in effects for effect in SENSOR_EFFECTS):
                 rng = np.random.default_rng((seed, 1))
-                self._encoders = Encoders(hardware, effects, TIMESTEP, rng)
+                self._encoders = Encoders(hardware, effects, self._dt, rng)
             if "flat_feet" in effects:
                 self._estimator = FlatFeetEstimator(robot, standing)
         self.com: Vector = np.array(self._data.subtree_com[self._state_map.base_body])
@@ -85,12 +84,18 @@ class MujocoPlant:
         return true, measured
 
     def step(self, tau: Vector, time: float) -> None:
-        """Apply a torque for one time step.
+        """Apply a torque for one control period.
 
         Args:
             tau: Commanded, (n,) [N m].
-            time: Of the run, at the start of the step [s].
+            time: Of the run [s].
         """
+        for index in range(self._substeps):
+            if index:
+                mujoco.mj_step1(self._model, self._data)
+            self._substep(tau, time + index * self._dt)
+
+    def _substep(self, tau: Vector, time: float) -> None:
         data = self._data
         applied = tau if self._actuators is None else self._actuators.apply(tau)
         data.ctrl[self._state_map.actuators] = applied

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import math
 from collections.abc import Collection, Sequence
 from typing import Any
 
@@ -10,28 +12,28 @@ import numpy as np
 
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
-from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
-from tsd_casadi.repetition.compensator import Compensator
-from tsd_casadi.repetition.gains import Gains
-from tsd_casadi.repetition.repetition import Progress, Repetition
+from tsd_casadi.repetition.plant import Plant, Truth
+from tsd_casadi.repetition.repetition import repeat
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.state import State
+from tsd_casadi.state import State, Vector
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.hardware import add_to_model, check_effects
 from tsd_clients.simulator.model_error import ModelError
-from tsd_clients.simulator.mujoco_plant import TIMESTEP, MujocoPlant
+from tsd_clients.simulator.mujoco_plant import MujocoPlant
 from tsd_clients.simulator.parity import check_parity
 from tsd_clients.simulator.state_map import StateMap
 
 # starting posture: joints off home by up to this [rad], as in the paper's
 # simulation, which "has a small starting randomness built-in"
 START_NOISE = 2e-3
-UNCHANGED = Gains()
+# of a control period: a simulator may step finer, not coarser [s]
+LARGEST_STEP = 1e-3
+SHORTEST_PERIOD, LONGEST_PERIOD = 0.25e-3, 5e-3  # s
 
 
-class MujocoSimulator:
+class MujocoSimulator(Plant):
     """The simulated robot, with a body that the controller need not know.
 
     Attributes:
@@ -48,6 +50,9 @@ class MujocoSimulator:
         robot: Robot,
         model_error: float | ModelError = 0.0,
         hardware: Collection[str] = (),
+        *,
+        period: float = 1e-3,
+        disturbances: Sequence[Disturbance] = (),
     ) -> None:
         """Load the scene and check it against the URDF.
 
@@ -71,7 +76,12 @@ class MujocoSimulator:
                 robot.scene_path, "", f"cannot be loaded ({error})", "a MuJoCo scene"
             ) from error
         check_parity(robot, model)
-        model.opt.timestep = TIMESTEP
+        if not SHORTEST_PERIOD <= period <= LONGEST_PERIOD:
+            raise InvalidValue(
+                "period", f"{period:g} s", f"{SHORTEST_PERIOD:g} to {LONGEST_PERIOD:g} s"
+            )
+        self._substeps = math.ceil(period / LARGEST_STEP - 1e-9)
+        model.opt.timestep = period / self._substeps
         # positions, then velocities, then forces: what mj_step1 and mj_step2 do
         model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
         # a simulation that blew up is a fall, not a new start
@@ -86,76 +96,101 @@ class MujocoSimulator:
             add_to_model(model, state_map.v_joints, numbers, self.hardware)
         mujoco.mj_setConst(model, mujoco.MjData(model))
         self.robot = robot
+        self.period = period
+        # semi-implicit: velocities are those of the middle of the last step
+        self.velocity_time = -0.5 * float(model.opt.timestep)
         self.model = model
         self.model_error = model_error
         self.state_map = state_map
+        self.disturbances = tuple(disturbances)
+        self._body: MujocoPlant | None = None
+        self._truth: Truth | None = None
+        self._ticks = 0
 
-    def start(self, posture: State, seed: int = 0) -> State:
-        """Put a posture's joints off by a little, the soles on the ground on average."""
+    def with_disturbances(self, disturbances: Sequence[Disturbance]) -> MujocoSimulator:
+        """The same simulated robot, pushed."""
+        other = copy.copy(self)
+        other.disturbances = tuple(disturbances)
+        return other
+
+    def near(self, posture: State, seed: int = 0) -> State:
+        """A posture with its joints off by a little, soles on the ground on average.
+
+        Args:
+            posture: What it is near to.
+            seed: Of the starting posture.
+        """
         rng = np.random.default_rng(seed)
         q = posture.q.copy()
         q[7:] += rng.uniform(-START_NOISE, START_NOISE, size=self.robot.n)
         return State(self.robot.put_on_ground(q), posture.v)
+
+    def body(self, start: State, standing: State, seed: int = 0) -> MujocoPlant:
+        """The simulated robot at the beginning of a repetition.
+
+        Args:
+            start: Where it is.
+            standing: A posture with the soles where the robot believes them.
+            seed: Of the sensor noise.
+        """
+        return MujocoPlant(
+            self.robot,
+            self.model,
+            start,
+            standing,
+            self.hardware,
+            self.disturbances,
+            seed,
+            self._substeps,
+        )
+
+    def start(self, posture: State, seed: int = 0) -> None:
+        """Put the robot near a posture, at rest.
+
+        Args:
+            posture: Soles flat.
+            seed: Of the starting posture and of the sensors' noise.
+        """
+        self._body, self._ticks = self.body(self.near(posture, seed), posture, seed), 0
+
+    def measure(self) -> State:
+        """The state as the sensors tell it now."""
+        assert self._body is not None
+        true, measured = self._body.measure()
+        self._truth = Truth(true, self._body.com)
+        return measured
+
+    def truth(self) -> Truth | None:
+        """The state of the simulation at the last measurement."""
+        return self._truth
+
+    def apply(self, tau: Vector) -> None:
+        """Go on by one control period.
+
+        Args:
+            tau: Commanded, (n,) [N m].
+        """
+        assert self._body is not None
+        self._body.step(tau, self._ticks * self.period)
+        self._ticks += 1
+
+    def settings(self) -> dict[str, Any]:
+        """Model errors and hardware effects."""
+        return {**self.model_error.settings(), "hardware": list(self.hardware)}
 
     def run(
         self,
         controller: WholeBodyController,
         motion: Motion,
         *,
-        laps: int = 3,
-        feedforward: Feedforward | None = None,
-        gains: Gains = UNCHANGED,
-        compensators: Sequence[Compensator] = (),
         disturbances: Sequence[Disturbance] = (),
-        seed: int = 0,
-        transport: str = "local",
-        progress: Progress | None = None,
+        **options: Any,
     ) -> Run:
         """Simulate one repetition in lock-step with a controller.
 
-        The robot holds the middle of the motion for one second with the
-        feedforward of the starting phase, then moves. Laps are added until two
-        consecutive ones agree, up to a bound.
-
         Args:
-            laps: Least number of laps.
-            feedforward: Learned term; none by default.
-            gains: Factors on the learned task's gains.
-            seed: Of the starting posture and of the sensors' noise.
-            transport: How the controller is reached, for the records.
-            progress: Called with (done, total) seconds of simulated time.
-
-        Returns:
-            The run.
-
-        Raises:
-            InvalidValue: If motion or settings are out of range.
-            SimulationError: If the controller serves another robot.
+            disturbances: What pushes the robot, besides what pushes it anyway.
+            options: As of ``repeat``.
         """
-        motion.check(self.robot)
-        if laps < 2:
-            raise InvalidValue("laps", laps, "at least 2, the first one settles")
-        middle = motion.middle(self.robot)
-        plant = MujocoPlant(
-            self.robot,
-            self.model,
-            self.start(middle, seed),
-            middle,
-            self.hardware,
-            disturbances,
-            seed,
-        )
-        repetition = Repetition(
-            self.robot, plant, controller, motion, feedforward, gains, compensators
-        )
-        repetition.hold(progress)
-        repetition.move(laps, progress)
-        settings = {
-            **self.model_error.settings(),
-            "hardware": list(self.hardware),
-            "p_scale": gains.P,
-            "d_scale": gains.D,
-            "transport": transport,
-            "seed": seed,
-        }
-        return repetition.finish(settings)
+        plant = self.with_disturbances((*self.disturbances, *disturbances))
+        return repeat(plant, controller, motion, **options)
