@@ -77,8 +77,8 @@ def test_all_bumps_have_one_shape(phase: float, shift: int) -> None:
 
 def test_each_bump_peaks_at_its_centre() -> None:
     basis = PeriodicBasis()
-    np.testing.assert_allclose(basis.centres, 2 * np.pi * np.arange(25) / 25)
-    assert list(basis.values(basis.centres).argmax(axis=1)) == list(range(25))
+    np.testing.assert_allclose(basis.centers, 2 * np.pi * np.arange(25) / 25)
+    assert list(basis.values(basis.centers).argmax(axis=1)) == list(range(25))
 
 
 def test_scalar_and_array_phases_agree() -> None:

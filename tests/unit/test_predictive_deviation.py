@@ -49,7 +49,7 @@ def test_scale_is_the_rms_of_residuals_that_are_alike_everywhere() -> None:
 
 def test_scale_is_larger_where_the_residuals_are() -> None:
     rng = np.random.default_rng(0)
-    magnitude = np.where(np.abs(BASIS.centres - np.pi) < 0.5, 1.0, 0.1)
+    magnitude = np.where(np.abs(BASIS.centers - np.pi) < 0.5, 1.0, 0.1)
     residuals = rng.normal(size=(12, 1, BASIS.L)) * magnitude
     scale = deviation_scale(BASIS, residuals)[0]
     assert scale[magnitude == 1.0].min() > 1.2 * scale[magnitude < 1.0].max()

@@ -41,7 +41,7 @@ def to_harmonics(basis: PeriodicBasis, weights: Matrix) -> Harmonics:
     Returns:
         c_0 ... c_N, (k, N + 1), in the weights' unit.
     """
-    return analyse(weights @ _samples(basis).T, highest_harmonic(basis))
+    return analyze(weights @ _samples(basis).T, highest_harmonic(basis))
 
 
 def to_weights(basis: PeriodicBasis, harmonics: Harmonics) -> Matrix:
@@ -54,10 +54,10 @@ def to_weights(basis: PeriodicBasis, harmonics: Harmonics) -> Matrix:
     Returns:
         (k, L), by least squares.
     """
-    return basis.fit(sample_phases(), synthesise(harmonics))
+    return basis.fit(sample_phases(), synthesize(harmonics))
 
 
-def analyse(signals: Matrix, highest: int) -> Harmonics:
+def analyze(signals: Matrix, highest: int) -> Harmonics:
     """Harmonics of sampled signals.
 
     Args:
@@ -70,7 +70,7 @@ def analyse(signals: Matrix, highest: int) -> Harmonics:
     return np.asarray(np.fft.rfft(signals, axis=-1)[..., : highest + 1] / SAMPLES)
 
 
-def synthesise(harmonics: Harmonics) -> Matrix:
+def synthesize(harmonics: Harmonics) -> Matrix:
     """Samples of the signals with these harmonics.
 
     Args:

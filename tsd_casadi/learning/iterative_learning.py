@@ -26,10 +26,10 @@ import numpy as np
 
 from tsd_casadi.encoding.harmonics import (
     Harmonics,
-    analyse,
+    analyze,
     highest_harmonic,
     sample_phases,
-    synthesise,
+    synthesize,
     to_harmonics,
     to_weights,
 )
@@ -182,11 +182,11 @@ def _harmonics_of(trials: Sequence[Trial], basis: PeriodicBasis) -> tuple[Harmon
 
 def _shift(u: Harmonics, e: Harmonics, x_ref: Harmonics, C: Harmonics, omega: Vector) -> Harmonics:
     """g(x_ref) - g(x) of the newest repetition, in harmonics."""
-    accelerations = synthesise(u + C * e - omega**2 * e)
-    errors = synthesise(e)
-    reference = synthesise(x_ref[None, :])[0]
+    accelerations = synthesize(u + C * e - omega**2 * e)
+    errors = synthesize(e)
+    reference = synthesize(x_ref[None, :])[0]
     shift = shift_to_reference(
         sample_phases(), list(reference - errors), list(accelerations), reference
     )
     bound = LARGEST_SHIFT * C[0].real * np.abs(errors[-1])
-    return analyse(np.clip(shift, -bound, bound), len(omega) - 1)
+    return analyze(np.clip(shift, -bound, bound), len(omega) - 1)

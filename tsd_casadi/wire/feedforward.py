@@ -62,7 +62,7 @@ class BasisMessage(Document):
     @classmethod
     def of(cls, basis: PeriodicBasis) -> BasisMessage:
         """Describe a basis."""
-        return cls(L=basis.L, centres=tuple(basis.centres), width=basis.width)
+        return cls(L=basis.L, centres=tuple(basis.centers), width=basis.width)
 
     def basis(self) -> PeriodicBasis:
         """The basis.
@@ -72,7 +72,7 @@ class BasisMessage(Document):
         """
         basis = PeriodicBasis(self.L, self.width)
         if len(self.centres) != self.L or not np.allclose(
-            self.centres, basis.centres, rtol=0, atol=1e-9
+            self.centres, basis.centers, rtol=0, atol=1e-9
         ):
             raise MalformedMessage("basis.centres", "2 pi j / L for j = 0 ... L - 1")
         return basis
