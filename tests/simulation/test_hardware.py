@@ -15,15 +15,17 @@ from tsd_casadi import Robot, State, load_robot
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
 from tsd_casadi.robot.robot_file import HardwareFile
 from tsd_clients import MujocoSimulator
-from tsd_clients.simulator.hardware import (
+from tsd_clients.simulator.effects import (
     ACTUATOR_EFFECTS,
     EFFECTS,
     SENSOR_EFFECTS,
+    check_effects,
+)
+from tsd_clients.simulator.hardware import (
     Actuators,
     Encoders,
     FlatFeetEstimator,
     add_to_model,
-    check_effects,
 )
 
 MINI = Path(__file__).parents[1] / "robots" / "mini_biped" / "mini_biped.yaml"

@@ -33,7 +33,7 @@ from tsd_casadi.repetition.run import LOG_UNITS
 from tsd_casadi.tick.format import Status, TickFormat
 from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.disturbances import Disturbance, Push
-from tsd_clients.simulator.hardware import EFFECTS
+from tsd_clients.simulator.effects import EFFECTS
 from tsd_clients.simulator.mujoco_plant import TIMESTEP
 from tsd_clients.simulator.simulator import START_NOISE
 from tsd_clients.simulator.state_map import StateMap

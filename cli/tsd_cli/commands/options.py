@@ -21,7 +21,7 @@ from tsd_casadi.repetition.compensator import Compensator
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.wire.endpoints import CONTROLLER, LEARNER
 from tsd_clients.remote.remote_controller import RemoteController
-from tsd_clients.simulator.hardware import EFFECTS
+from tsd_clients.simulator.effects import EFFECTS
 from tsd_clients.simulator.model_error import ModelError
 from tsd_clients.simulator.simulator import MujocoSimulator
 

@@ -19,7 +19,8 @@ from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State
 from tsd_clients.simulator.disturbances import Disturbance
-from tsd_clients.simulator.hardware import add_to_model, check_effects
+from tsd_clients.simulator.effects import check_effects
+from tsd_clients.simulator.hardware import add_to_model
 from tsd_clients.simulator.model_error import ModelError
 from tsd_clients.simulator.mujoco_plant import TIMESTEP, MujocoPlant
 from tsd_clients.simulator.parity import check_parity
