@@ -24,6 +24,7 @@ from tsd_casadi.robot.robot import Robot
 from tsd_casadi.version import __version__
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.tables import console, print_goals, print_runs
+from tsd_clients.logs.log_file import save_log as write_log
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_clients.simulator.simulator import MujocoSimulator
@@ -87,10 +88,10 @@ class _Demo:
         for amplitude in DATABASE:
             self._learn(amplitude)
         robot = self.robot.name
-        generalised = self.learner.query(
+        generalized = self.learner.query(
             Squat.name, robot=robot, kind="generalised", amplitude=QUERIED, frequency=FREQUENCY
         )
-        self._run(_label(QUERIED, "generalised"), QUERIED, generalised)
+        self._run(_label(QUERIED, "generalised"), QUERIED, generalized)
         nearest = self.learner.query(
             Squat.name, robot=robot, kind="learned", amplitude=NEAREST, frequency=FREQUENCY
         )
@@ -149,9 +150,7 @@ def run_demo(robot: Robot, out: Path, seed: int = 0) -> dict[str, Any]:
     """Run the demonstration and write its results.
 
     Args:
-        robot: The robot.
         out: Folder for summary.json, per-tick logs and figures.
-        seed: Of the starting randomness.
 
     Returns:
         The summary.
@@ -174,7 +173,7 @@ def run_demo(robot: Robot, out: Path, seed: int = 0) -> dict[str, Any]:
     with ThreadPoolExecutor(1) as writer, start_services(robot) as (controller, learner):
 
         def save_log(label: str, run: Run) -> None:
-            written.append(writer.submit(run.save_log, out / "logs" / f"{_file_name(label)}.npz"))
+            written.append(writer.submit(write_log, run, out / "logs" / f"{_file_name(label)}.npz"))
 
         demo = _Demo(robot, controller, learner, seed, save_log)
         with show_progress("demo", _number_of_runs()) as report:
@@ -248,7 +247,7 @@ def _goals(runs: dict[str, Run]) -> list[dict[str, Any]]:
             "P/5, learned, iteration 1",
         )
     )
-    generalised, direct, nearest = (
+    generalized, direct, nearest = (
         runs[_label(QUERIED, what)] for what in ("generalised", "learned, iteration 2", REUSED)
     )
     ac_none = none.ac_rms_error
@@ -266,12 +265,12 @@ def _goals(runs: dict[str, Run]) -> list[dict[str, Any]]:
         (
             "AC error, generalised / learned directly",
             "<= 1.5",
-            generalised.ac_rms_error / direct.ac_rms_error,
+            generalized.ac_rms_error / direct.ac_rms_error,
         ),
         (
             "AC error, generalised / nearest entry",
             "<= 0.3",
-            generalised.ac_rms_error / nearest.ac_rms_error,
+            generalized.ac_rms_error / nearest.ac_rms_error,
         ),
         ("RMS error in mm, perfect model", "< 0.02", 1e3 * perfect.rms_error),
     ]

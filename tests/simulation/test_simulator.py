@@ -28,8 +28,8 @@ from tsd_casadi import load_robot as load
 from tsd_casadi.encoding.laps import first_steady_lap
 from tsd_casadi.exceptions import InvalidValue, ParityError, RobotFileError, SimulationError
 from tsd_casadi.repetition.gains import Gains
+from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.repetition.repetition import EXTRA_LAPS, HOLD
-from tsd_casadi.repetition.run import LOG_UNITS
 from tsd_casadi.tick.format import Status, TickFormat
 from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.disturbances import Disturbance, Push
@@ -332,10 +332,22 @@ def test_reference_is_the_motion_about_home(run: Run, robot: Robot) -> None:
 
 
 def test_log_is_documented_and_complete(run: Run) -> None:
-    assert run.log.keys() == LOG_UNITS.keys()
-    assert {len(values) for values in run.log.values()} == {run.ticks}
+    n, contacts = run.log["tau"].shape[1], run.log["wrenches"].shape[1] // 6
+    axes = run.log["all_errors"].shape[1]
+    shapes = {
+        "()": (),
+        "(k,)": (axes,),
+        "(n,)": (n,),
+        "(7 + n,)": (7 + n,),
+        "(6 + n,)": (6 + n,),
+        "(6 c,)": (6 * contacts,),
+    }
+    assert run.log.keys() == LOG_FIELDS.keys()
     for name, values in run.log.items():
+        field = LOG_FIELDS[name]
         assert np.isfinite(values).all(), name
+        assert values.shape == (run.ticks, *shapes[field.shape]), name
+        assert values.dtype == field.type, name
 
 
 def test_true_error_is_that_of_the_logged_state(run: Run, robot: Robot) -> None:

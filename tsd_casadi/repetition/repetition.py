@@ -20,6 +20,7 @@ from tsd_casadi.motions.motion import Motion, Reference
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.gains import Gains
+from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.repetition.plant import Plant
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
@@ -33,26 +34,9 @@ FALL_HEIGHT = 0.6
 FLIGHT_HEIGHT = 2.0
 BLOWN_UP = 1e3  # norm of v: no robot, but a simulation that became unstable
 
-COLUMNS = (
-    "time",
-    "phase",
-    "lap",
-    "reference",
-    "error",
-    "true_error",
-    "feedback",
-    "feedforward",
-    "all_errors",
-    "q",
-    "v",
-    "tau",
-    "wrenches",
-    "status",
-    "compute_us",
-    "tick_us",
-)
+# what a tick leaves behind; which ticks are measured is known in the end only
+COLUMNS = [name for name in LOG_FIELDS if name != "measured"]
 LAP_COLUMNS = [COLUMNS.index(name) for name in ("phase", "feedback", "error", "reference")]
-SINGLE_PRECISION = ("all_errors", "q", "v", "tau", "wrenches")
 
 Progress = Callable[[float, float], None]
 
@@ -170,7 +154,7 @@ class Repetition:
     def finish(self, settings: dict[str, Any]) -> Run:
         """Measure and pack up."""
         log = {
-            name: np.array([row[column] for row in self._rows])
+            name: np.array([row[column] for row in self._rows], dtype=LOG_FIELDS[name].type)
             for column, name in enumerate(COLUMNS)
         }
         first = first_steady_lap(self._laps)
@@ -181,8 +165,6 @@ class Repetition:
             laps = self._laps[first:]
             measured[self._lap_starts[first] :] = True
         log["measured"] = measured
-        for name in SINGLE_PRECISION:
-            log[name] = log[name].astype(np.float32)
         statuses = Counter(int(status) for status in log["status"])
         return Run(
             robot=self._robot.name,

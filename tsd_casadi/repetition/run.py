@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,7 @@ class Run:
         feedforward: The feedforward in use.
         gains: Gains of the learned task, by field name.
         settings: Model error, p scale, transport, seed.
-        log: One array per quantity, first axis the tick; see ``LOG_UNITS``.
+        log: One array per quantity, first axis the tick; see ``LOG_FIELDS``.
         laps: The steady laps with the feedback along the learned axis.
         laps_run: All whole laps.
         steady: Whether the feedback settled; if not, the last two laps are
@@ -123,36 +122,6 @@ class Run:
             "ticks": self.ticks,
             "tick_us": self.tick_us,
         }
-
-    def save_log(self, path: Path) -> None:
-        """Write the per-tick log as a compressed npz.
-
-        Args:
-            path: The file.
-        """
-        path.parent.mkdir(parents=True, exist_ok=True)
-        np.savez_compressed(path, **self.log)  # type: ignore[arg-type]
-
-
-LOG_UNITS = {
-    "time": "s",
-    "phase": "rad",
-    "lap": "1, -1 while holding",
-    "measured": "whether the tick is in a steady lap",
-    "reference": "m, along the learned axis, world",
-    "error": "m, as the controller sees it",
-    "true_error": "m, of the simulated robot",
-    "feedback": "m/s^2, along the learned axis",
-    "feedforward": "m/s^2, along the learned axis",
-    "all_errors": "m, rad, all axes of all tasks",
-    "q": "Pinocchio's convention",
-    "v": "Pinocchio's convention",
-    "tau": "N m",
-    "wrenches": "N, N m, sole frames",
-    "status": "0 ok",
-    "compute_us": "us, inside the compiled function",
-    "tick_us": "us, round trip as the client sees it",
-}
 
 
 def _rms(values: Vector) -> float:

@@ -42,6 +42,7 @@ from tsd_cli.commands.options import (
 from tsd_cli.commands.output import check_writable, label_of, put_out
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.tables import print_runs
+from tsd_clients.logs.log_file import save_log
 from tsd_clients.remote.remote_learner import RemoteLearner
 
 FELL = 3
@@ -100,7 +101,7 @@ def simulate(
             progress=progress,
         )
     if log is not None:
-        run.save_log(log)
+        save_log(run, log)
     if gate.dropped_at is not None:
         typer.echo(
             f"note: generalised feedforward dropped at {gate.dropped_at:.2f} s: tracking was "
