@@ -23,7 +23,8 @@ from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.version import __version__
 from tsd_clients.console.progress import show_progress
-from tsd_clients.console.tables import console, print_goals, print_runs
+from tsd_clients.console.run_tables import print_goals, print_runs
+from tsd_clients.console.table import console
 from tsd_clients.logs.log_file import save_log as write_log
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_clients.remote.remote_learner import RemoteLearner

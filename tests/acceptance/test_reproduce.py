@@ -19,9 +19,9 @@ import pytest
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.generalization.weight_regression import WeightRegression
-from tsd_experiments.beyond.parameter_grid import LEARNED
-from tsd_experiments.harness.experiment import Goal
-from tsd_experiments.run import EXPERIMENTS
+from tsd_experiments.beyond.two_parameters.grid import GRID
+from tsd_experiments.harness.section import Goal
+from tsd_experiments.reproduce import EXPERIMENTS
 
 # of the full form, which takes too long for a test; the quick one is done here
 FULL = Path("results/paper")
@@ -82,8 +82,8 @@ def _grid(data: Data, source: str) -> float:
 def _coverage(data: Data) -> float:
     """Points of the held-out curves inside the band, in percent."""
     entries = _points(data, "entry")
-    learned = {name: point for name, point in entries.items() if point in LEARNED}
-    held_out = {name: point for name, point in entries.items() if point not in LEARNED}
+    learned = {name: point for name, point in entries.items() if point in GRID.learned}
+    held_out = {name: point for name, point in entries.items() if point not in GRID.learned}
     assert len(learned) == 12 and len(held_out) >= 30
     basis = PeriodicBasis()
     weights = [data.last_weights(f"grid-entry-{name}") for name in learned]

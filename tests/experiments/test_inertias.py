@@ -63,12 +63,12 @@ def synthetic(
         q = pinocchio.integrate(model, robot.home.q, rng.uniform(-0.4, 0.4, model.nv))
         v, a = rng.normal(size=model.nv), 3 * rng.normal(size=model.nv)
         J = contact_jacobian(robot, q)
-        generalised = pinocchio.rnea(model, data, q, v, a)
+        generalized = pinocchio.rnea(model, data, q, v, a)
         # wrenches that carry the base, and others that press the feet together
-        wrench = np.linalg.lstsq(J[:, :6].T, generalised[:6], rcond=None)[0]
+        wrench = np.linalg.lstsq(J[:, :6].T, generalized[:6], rcond=None)[0]
         null = np.linalg.svd(J[:, :6].T)[2][6:]
         wrench += null.T @ rng.normal(scale=50, size=len(null))
-        tau = generalised[6:] - J[:, 6:].T @ wrench
+        tau = generalized[6:] - J[:, 6:].T @ wrench
         tau += viscous * v[6:] + coulomb * np.sign(v[6:])
         rows.append((q, v, a, tau))
     return Observations(*(np.array(column) for column in zip(*rows, strict=True)))

@@ -5,21 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from tsd_experiments.harness.case import Case
-from tsd_experiments.harness.experiment import (
-    Done,
-    Experiment,
-    Figure,
-    Section,
-    Table,
-    millimetres,
-)
-from tsd_experiments.harness.jobs import Job, Result
-from tsd_experiments.harness.work import learn
+from tsd_experiments.harness.case import SOFT, TALL, Case
+from tsd_experiments.harness.experiment import Done, Experiment
+from tsd_experiments.harness.job import Job, Result
+from tsd_experiments.harness.learn_case import learn_case
+from tsd_experiments.harness.section import Figure, Section, Table, millimeters
 from tsd_experiments.report.drawing import draw_lines
 
-TALL = 0.055  # m above home: knee at 1.0 rad
-SOFT = 0.2  # P = 10 where the robot's own is 50
 RULES = ("plain", "stable")
 ITERATIONS = 4
 QUICK_ITERATIONS = 1
@@ -98,7 +90,7 @@ class Bootstrapping(Experiment):
                         "iterations": iterations,
                         "first": first,
                     }
-                    jobs[name] = Job(name, learn, arguments, cost=3 * iterations)
+                    jobs[name] = Job(name, learn_case, arguments, cost=3 * iterations)
         return list(jobs.values())
 
     def _easier(self, error: float, start: Start) -> Job:
@@ -109,7 +101,7 @@ class Bootstrapping(Experiment):
             "iterations": EASIER_ITERATIONS,
         }
         name = f"bootstrapping-{error:g}-easier-{_slug(start.name)}"
-        return Job(name, learn, arguments, cost=8)
+        return Job(name, learn_case, arguments, cost=8)
 
     def _name(self, error: float, start: Start, rule: str) -> str:
         return f"bootstrapping-{error:g}-from-{_slug(start.name)}-{rule}"
@@ -125,7 +117,7 @@ class Bootstrapping(Experiment):
                     result = done[self._name(error, start, rule)]
                     errors = result.errors()
                     label = f"{100 * error:g} %, from {start.name}, {rule}"
-                    cells = [millimetres(float(each)) for each in errors]
+                    cells = [millimeters(float(each)) for each in errors]
                     fell = _stopped(result)
                     reached[start.name] += not fell and bool(errors[-1] < REACHED)
                     falls[start.name] += fell

@@ -17,9 +17,6 @@ from tsd_server.service_process import ServiceProcess, free_endpoint
 def start_services(robot: Robot) -> Iterator[tuple[RemoteController, RemoteLearner]]:
     """Both services on free ports with a fresh database, stopped whatever happens.
 
-    Args:
-        robot: The robot to control.
-
     Yields:
         Clients of the two.
     """

@@ -10,16 +10,10 @@ import numpy as np
 
 from tsd_casadi.repetition.repetition import FALL_HEIGHT
 from tsd_experiments.harness.case import Case
-from tsd_experiments.harness.experiment import (
-    Done,
-    Experiment,
-    Figure,
-    Section,
-    Table,
-    millimetres,
-)
-from tsd_experiments.harness.jobs import Job, Result
-from tsd_experiments.harness.work import learn
+from tsd_experiments.harness.experiment import Done, Experiment
+from tsd_experiments.harness.job import Job, Result
+from tsd_experiments.harness.learn_case import learn_case
+from tsd_experiments.harness.section import Figure, Section, Table, millimeters
 from tsd_experiments.report.drawing import draw_lines
 
 STIFFNESS = {10: 0.2, 20: 0.4, 50: 1.0, 100: 2.0, 200: 4.0, 400: 8.0}
@@ -56,7 +50,7 @@ class _Point:
             changed = replace(changed, model_error=0.0, link_error=self.error, link_seed=self.seed)
         plain = changed.at_stiffness(STIFFNESS[self.P]).plain()
         arguments = {"case": plain, "rule": "plain", "iterations": ITERATIONS}
-        return Job(self.name, learn, arguments, cost=5)
+        return Job(self.name, learn_case, arguments, cost=5)
 
 
 class ModelErrors(Experiment):
@@ -223,7 +217,7 @@ class ModelErrors(Experiment):
                         f"{posture}, P = {P}",
                         f"{len(learned)} of {len(results)}" + (f" ({others})" if others else ""),
                         *(
-                            millimetres(float(np.median([r.errors(name)[i] for r in learned])))
+                            millimeters(float(np.median([r.errors(name)[i] for r in learned])))
                             if learned
                             else "–"
                             for name in ("rms_error_m", "true_rms_error_m")
@@ -246,8 +240,8 @@ class ModelErrors(Experiment):
             rows.append(
                 [
                     f"{100 * point.error:g} %, {point.seed}",
-                    *(millimetres(error) for error in (estimated[0], estimated[-1])),
-                    *(millimetres(error) for error in (true[0], true[-1])),
+                    *(millimeters(error) for error in (estimated[0], estimated[-1])),
+                    *(millimeters(error) for error in (true[0], true[-1])),
                     _outcome(result),
                 ]
             )

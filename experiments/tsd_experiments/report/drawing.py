@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 
 from tsd_casadi.state import Vector
-from tsd_experiments.harness.jobs import Result
+from tsd_experiments.harness.job import Result
 from tsd_experiments.report.figures import STYLES
 
 matplotlib.use("Agg")
@@ -19,15 +19,13 @@ from matplotlib import pyplot as plt
 # label of the legend, result, label of the run, style
 Curve = tuple[str, Result, str, str]
 MOST_MARKERS = 50
-COLOURS = ("#3b6fb6", "#c8352b", "#d99a1c", "#2f7d4f", "#6b3fa0", "#777777", "#20a0b0", "#a05030")
+COLORS = ("#3b6fb6", "#c8352b", "#d99a1c", "#2f7d4f", "#6b3fa0", "#777777", "#20a0b0", "#a05030")
 
 
 def trace(result: Result, label: str, name: str) -> Any:
     """One stored trace of a run.
 
     Args:
-        result: The job's result.
-        label: Of the run.
         name: One of ``case.TRACES``.
 
     Returns:
@@ -41,7 +39,6 @@ def draw_tracking(curves: Sequence[Curve], title: str) -> Any:
 
     Args:
         curves: The first one is left out of the close view.
-        title: Heading.
     """
     figure, (top, middle, bottom) = plt.subplots(3, 1, figsize=(8, 7), sharex=True)
     bound = 0.0
@@ -97,7 +94,6 @@ def draw_feedback(curves: Sequence[Curve], encoded: tuple[Result, str]) -> Any:
     """The feedback term and the encoded feedforward over it (RBS_error of the paper).
 
     Args:
-        curves: Runs.
         encoded: Result and label of the run whose feedforward is drawn.
     """
     figure, axes = plt.subplots(figsize=(8, 3.5))
@@ -127,24 +123,20 @@ def draw_lines(
     *,
     logx: bool = False,
     logy: bool = True,
-    turn: int = len(COLOURS),
+    turn: int = len(COLORS),
 ) -> Any:
     """Lines, with markers where there is room for them.
 
     Args:
         lines: Legend, x and y of each.
-        xlabel: Of the x axis.
-        ylabel: Of the y axis.
-        logx: Logarithmic x axis.
-        logy: Logarithmic y axis.
         turn: After so many lines the colours begin again, dashed.
     """
     figure, axes = plt.subplots(figsize=(8, 4))
     for index, (legend, x, y) in enumerate(lines):
-        colour = COLOURS[index % turn]
+        color = COLORS[index % turn]
         style = "-" if index < turn else "--"
         marker = "o" if len(x) <= MOST_MARKERS else ""
-        axes.plot(x, y, marker=marker, linestyle=style, color=colour, label=legend, markersize=4)
+        axes.plot(x, y, marker=marker, linestyle=style, color=color, label=legend, markersize=4)
     axes.set(xlabel=xlabel, ylabel=ylabel)
     if logx:
         axes.set_xscale("log")
@@ -163,8 +155,6 @@ def draw_bands(
     Args:
         x: The x axis, (N,).
         bands: Legend, mean, standard deviation and outcome of each, (N,).
-        xlabel: Of the x axis.
-        ylabel: Of the y axis.
     """
     figure, panels = plt.subplots(
         1 + len(bands),
@@ -174,11 +164,11 @@ def draw_bands(
         height_ratios=[2.4, *(1.0 for _ in bands)],
     )
     top, *below = panels
-    for axes, colour, (legend, mean, std, outcome) in zip(below, COLOURS, bands, strict=False):
-        top.plot(x, mean, color=colour, label=legend)
-        top.plot(x, outcome, "--", color=colour)
-        axes.fill_between(x, -2 * std, 2 * std, color=colour, alpha=0.25)
-        axes.plot(x, outcome - mean, "--", color=colour)
+    for axes, color, (legend, mean, std, outcome) in zip(below, COLORS, bands, strict=False):
+        top.plot(x, mean, color=color, label=legend)
+        top.plot(x, outcome, "--", color=color)
+        axes.fill_between(x, -2 * std, 2 * std, color=color, alpha=0.25)
+        axes.plot(x, outcome - mean, "--", color=color)
         axes.set_ylabel("off by\n[m/s²]")
     for axes in panels:
         axes.grid(alpha=0.3)

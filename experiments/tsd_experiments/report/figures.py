@@ -30,8 +30,6 @@ def draw_tracking(runs: dict[str, tuple[Run, str]], title: str, path: Path) -> N
     Args:
         runs: Run and style by legend entry; the first one is without feedforward
             and left out of the closest view.
-        title: Heading.
-        path: The PNG file.
     """
     figure, (top, middle, bottom) = plt.subplots(3, 1, figsize=(8, 7), sharex=True)
     for label, (run, style) in runs.items():
@@ -63,8 +61,6 @@ def draw_feedback(runs: dict[str, tuple[Run, str]], encoded: Run, path: Path) ->
 
     Args:
         runs: Run and style by legend entry.
-        encoded: The run whose feedforward is drawn over them.
-        path: The PNG file.
     """
     figure, axes = plt.subplots(figsize=(8, 3.5))
     for label, (run, style) in runs.items():

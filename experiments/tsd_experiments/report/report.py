@@ -16,8 +16,8 @@ from matplotlib import pyplot as plt
 
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.version import __version__
-from tsd_experiments.harness.experiment import Goal, Section, Table
-from tsd_experiments.harness.jobs import cores
+from tsd_experiments.harness.run_jobs import cores
+from tsd_experiments.harness.section import Goal, Section, Table
 
 PACKAGES = ("casadi", "pin", "mujoco", "numpy", "scipy", "scikit-learn", "eclipse-zenoh")
 DIFFERENCES = (
@@ -54,10 +54,6 @@ blockquote { border-left: 3px solid #bbb; margin-left: 0; padding-left: 1rem; co
 def save_figures(sections: Sequence[Section], folder: Path) -> dict[str, bytes]:
     """Draw every figure as PNG and SVG.
 
-    Args:
-        sections: The report.
-        folder: Where to.
-
     Returns:
         The PNG of each by name.
     """
@@ -76,12 +72,7 @@ def save_figures(sections: Sequence[Section], folder: Path) -> dict[str, bytes]:
 
 
 def circumstances(robot: Robot, quick: bool) -> dict[str, Any]:
-    """What the numbers were made with, plain data.
-
-    Args:
-        robot: The robot.
-        quick: Whether it was the short form.
-    """
+    """What the numbers were made with, plain data."""
     description = robot.description
     return {
         "tsd_casadi": __version__,
@@ -109,12 +100,8 @@ def write_html(
     """Write the report, pictures included.
 
     Args:
-        sections: The report.
-        goals: All rows of the summary.
         pictures: PNG by name.
-        movie: GIF of the squat, if one could be rendered.
         made_with: From ``circumstances``.
-        path: The file.
     """
     parts = [
         "<!doctype html><html lang='en'><meta charset='utf-8'>",
@@ -152,11 +139,8 @@ def write_page(
     """Write the report as Markdown.
 
     Args:
-        sections: The report.
-        goals: All rows of the summary.
         made_with: From ``circumstances``.
         figures: Folder of the pictures as the page names it.
-        path: The file.
     """
     lines = [
         "# The paper, reproduced and then exceeded",

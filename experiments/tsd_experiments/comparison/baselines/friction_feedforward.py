@@ -21,11 +21,7 @@ class FrictionFeedforward(Compensator):
     """
 
     def __init__(self, friction: Friction) -> None:
-        """Take what was identified.
-
-        Args:
-            friction: Of the robot's joints.
-        """
+        """Take what was identified."""
         self._friction = friction
 
     def start(self, setting: Setting) -> None:

@@ -101,11 +101,7 @@ class LearnedTorque(Compensator):
     """Adds a torque feedforward."""
 
     def __init__(self, feedforward: TorqueFeedforward) -> None:
-        """Take what was learned.
-
-        Args:
-            feedforward: Of the same robot.
-        """
+        """Take what was learned."""
         self._feedforward = feedforward
 
     def start(self, setting: Setting) -> None:
@@ -140,13 +136,8 @@ def learn_joint_torques(
     N iterations are N repetitions; how well the result does, another run tells.
 
     Args:
-        simulator: The simulated robot.
-        controller: Local or remote.
-        motion: What to learn.
-        iterations: Learning iterations.
         laps: Least number of laps of each run.
         gains: Factors on the learned task's gains.
-        seed: Of the starting randomness.
 
     Returns:
         The repetitions learned from, and what was learned.
@@ -180,11 +171,6 @@ def add_feedback(
 ) -> TorqueFeedforward:
     """Torques for the next repetition.
 
-    Args:
-        applied: Torques that the repetition used.
-        run: The repetition.
-        recorded: Its feedback torques.
-
     Returns:
         Applied plus fitted.
 
@@ -204,13 +190,12 @@ def add_feedback(
     return TorqueFeedforward(applied.joints, applied.basis, weights, applied.parameters)
 
 
-def generalise_torques(
+def generalize_torques(
     task: str, learned: Sequence[TorqueFeedforward], parameters: dict[str, float]
 ) -> TorqueFeedforward:
     """Torques for task parameters that were never tried, as for task accelerations.
 
     Args:
-        task: Name of the motion.
         learned: What was learned at other parameters; the regression is over
             those that differ.
         parameters: The parameters asked for, SI units.
@@ -236,9 +221,6 @@ def generalise_torques(
 
 def varied(parameters: Sequence[dict[str, float]]) -> tuple[list[str], Matrix]:
     """Which task parameters differ, and their values.
-
-    Args:
-        parameters: Of some motions, n of them.
 
     Returns:
         Names of those that differ, d of them, and their values, (n, d).

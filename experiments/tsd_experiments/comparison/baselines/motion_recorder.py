@@ -50,10 +50,6 @@ class MotionRecorder(Compensator):
 def observe(run: Run, recorder: MotionRecorder) -> Observations:
     """One average lap of a repetition.
 
-    Args:
-        run: The repetition.
-        recorder: What was kept of it.
-
     Returns:
         Its steady laps, averaged over the phase and smoothed.
 
