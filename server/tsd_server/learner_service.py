@@ -112,7 +112,7 @@ class LearnerService:
         if robot == ANY_ROBOT:
             raise MalformedMessage("a suggestion for any robot", "the robot's name in the key")
         texts = _texts(query, REGION)
-        task = texts.pop("task")
+        motion = texts.pop("task")
         region, fixed = {}, {}
         for name, text in texts.items():
             low, colon, high = text.partition(":")
@@ -120,8 +120,8 @@ class LearnerService:
                 region[name] = _number(name, low), _number(name, high)
             else:
                 fixed[name] = _number(name, text)
-        suggestion = self._open_database.suggest(task, robot=robot, region=region, **fixed)
-        message = SuggestionMessage.of(robot, task, suggestion)
+        suggestion = self._open_database.suggest(motion, robot=robot, region=region, **fixed)
+        message = SuggestionMessage.of(robot, motion, suggestion)
         reply_json(query, suggestion_key(robot), message.encode())
 
     def _record(self, query: zenoh.Query, robot: str) -> None:
@@ -134,8 +134,9 @@ class LearnerService:
             raise MalformedMessage(
                 f"a recording of {len(payload)} bytes", f"at most {LARGEST_RECORDING}"
             )
-        recording = RecordMessage.decode(payload).recording(robot)
-        entry, notes = self._open_database.record(recording)
+        message = RecordMessage.decode(payload)
+        recording = message.recording(robot)
+        entry, notes = self._open_database.record(recording, message.instruction())
         reply = RecordReply(entry=EntryMessage.of(entry), notes=notes)
         reply_json(query, record_key(robot), reply.encode())
 
@@ -157,7 +158,7 @@ class LearnerService:
 
 
 def _texts(query: zenoh.Query, example: str) -> dict[str, str]:
-    """The selector's parameters, a task among them."""
+    """The selector's parameters, the motion among them as 'task'."""
     # the stub does not know that Parameters iterate over pairs
     pairs = list(dict(query.parameters).items())  # type: ignore[call-overload]
     texts = {str(name): str(value) for name, value in pairs}
@@ -167,9 +168,9 @@ def _texts(query: zenoh.Query, example: str) -> dict[str, str]:
 
 
 def _number(name: str, text: str) -> float:
-    """A task parameter; whether it makes sense is for the database to say."""
+    """A parameter of a motion; whether it makes sense is for the database to say."""
     if name in RESERVED:
-        raise InvalidValue(f"parameter '{name}'", repr(text), "the name of a task parameter")
+        raise InvalidValue(f"parameter '{name}'", repr(text), "the name of a motion's parameter")
     try:
         return float(text)
     except ValueError:

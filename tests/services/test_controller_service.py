@@ -12,7 +12,7 @@ import pytest
 import zenoh
 
 import tsd_casadi as tsd
-from tsd_casadi.exceptions import ServiceError, ServiceUnreachable, TsdError, TwoServices
+from tsd_casadi.exceptions import InvalidValue, ServiceNotReady, ServiceUnreachable, TwoServices
 from tsd_casadi.wire.endpoints import session_settings
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import info_key, tick_key
@@ -80,7 +80,7 @@ def test_info_counts_ticks(robot: tsd.Robot, remote: RemoteController) -> None:
         remote.tick(robot.home, remote.command())
     command = remote.command()
     command["com.P"] = np.nan
-    with pytest.raises(ServiceError, match=r"com\.P\[0\] is nan"):
+    with pytest.raises(InvalidValue, match=r"com\.P\[0\] is nan"):
         remote.tick(robot.home, command)
     after = remote.info()
     assert after.ticks_served - before.ticks_served == 7
@@ -187,7 +187,7 @@ def test_signal_ends_the_service_cleanly(number: signal.Signals) -> None:
 
 
 def test_taken_port_is_refused(endpoint: str) -> None:
-    with pytest.raises(TsdError, match=r"cannot listen on .* already in use.*--listen"):
+    with pytest.raises(ServiceNotReady, match=r"cannot listen on .* already in use.*--listen"):
         ServiceProcess(["controller", "--listen", endpoint])
 
 

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from tsd_casadi.exceptions import TsdError
+from tsd_casadi.exceptions import ServiceNotReady
 from tsd_server.service_process import ServiceProcess, free_endpoint
 
 
 def test_what_the_process_printed_is_in_the_error() -> None:
-    with pytest.raises(TsdError, match="no robot 'nobody'"):
+    with pytest.raises(ServiceNotReady, match="no robot 'nobody'"):
         ServiceProcess(["controller", "--robot", "nobody", "--listen", free_endpoint()])
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from tsd_casadi import Command, Controller, Robot, State, Status, Tick, load_robot
-from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.exceptions import InvalidValue, NotLoadable
 from tsd_casadi.tick.layout import Field
 
 Edit = Callable[[Command], object]
@@ -438,3 +438,11 @@ def test_times_are_told_and_positive(controller: Controller) -> None:
     tick = run(controller, put())
     assert 0 < tick.compute_time < 1e5
     assert tick.iterations >= 0
+
+
+def test_a_library_that_is_none_is_told(controller: Controller, tmp_path: Path) -> None:
+    library = tmp_path / "controller.so"
+    library.write_bytes(b"no shared library")
+    with pytest.raises(NotLoadable, match="delete it") as caught:
+        Controller(controller.format, library)
+    assert caught.value.path == library

@@ -13,8 +13,8 @@ import zenoh
 from tsd_casadi.exceptions import (
     LayoutMismatch,
     MalformedMessage,
-    ServiceError,
     ServiceUnreachable,
+    TsdError,
     TwoServices,
 )
 from tsd_casadi.state import State, Vector
@@ -127,7 +127,7 @@ class RemoteController:
             keeps the command's ``limits.torque``, whoever answered.
 
         Raises:
-            ServiceError: If the service refused the numbers.
+            InvalidValue: If the service refused the numbers.
             ServiceUnreachable: If it did not answer for some seconds.
             TwoServices: If another service says that it is the controller.
             LayoutMismatch: If the service was restarted with another formulation.
@@ -152,12 +152,15 @@ class RemoteController:
     def _ask_once(self, payload: bytes) -> Vector | None:
         """The reply of the instance that is believed; None if it has to be asked again."""
         strangers: list[int] = []
-        refusal: ServiceError | None = None
+        refusal: TsdError | None = None
         try:
             for reply in self._querier.get(payload=payload):
                 try:
                     message = self._read(reply)
-                except ServiceError as error:
+                except ServiceUnreachable:
+                    refusal = None  # timed out: who refused need not be the controller
+                    continue
+                except TsdError as error:
                     refusal = error  # names no instance, so a torque goes before it
                     continue
                 if message is None or message.instance != self._instance:
@@ -165,8 +168,8 @@ class RemoteController:
                 elif message.sequence == self._sequence:
                     self._drop(strangers)
                     return message.values.copy()
-        except (ServiceUnreachable, zenoh.ZError):
-            refusal = None  # timed out, or closed without a reply
+        except zenoh.ZError:
+            refusal = None  # closed without a reply
         if refusal is not None:
             raise refusal
         if strangers and self._has_restarted():

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from tsd_casadi.generalization.suggestion import Region, Suggestion
 from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.learning.instruction import USUAL, Instruction
 from tsd_casadi.learning.recording import Recording
 from tsd_casadi.wire.endpoints import LEARNER
 from tsd_casadi.wire.feedforward import FeedforwardMessage
@@ -54,25 +55,27 @@ class RemoteLearner:
 
     def query(
         self,
-        task: str,
+        motion: str,
+        /,
         *,
         robot: str,
         kind: str | None = None,
         extrapolate: bool = False,
         **parameters: float,
     ) -> Feedforward:
-        """The feedforward for some task parameters; see ``Database.query``.
+        """The feedforward for some parameters of a motion; see ``Database.query``.
 
         Raises:
-            ServiceError: If the learner has no answer; its code says why.
+            TsdError: What ``Database.query`` raises, ``EntryNotFound`` for instance.
         """
         return self.query_message(
-            task, robot=robot, kind=kind, extrapolate=extrapolate, **parameters
+            motion, robot=robot, kind=kind, extrapolate=extrapolate, **parameters
         ).feedforward()
 
     def query_message(
         self,
-        task: str,
+        motion: str,
+        /,
         *,
         robot: str,
         kind: str | None = None,
@@ -81,7 +84,7 @@ class RemoteLearner:
     ) -> FeedforwardMessage:
         """The same as it comes over the network."""
         selector = {
-            "task": task,
+            "task": motion,
             **{name: repr(float(value)) for name, value in parameters.items()},
         }
         if kind is not None:
@@ -91,14 +94,16 @@ class RemoteLearner:
         body = self._session.query_one(feedforward_key(robot), parameters=selector)
         return FeedforwardMessage.decode(body)
 
-    def suggest(self, task: str, *, robot: str, region: Region, **parameters: float) -> Suggestion:
+    def suggest(
+        self, motion: str, /, *, robot: str, region: Region, **parameters: float
+    ) -> Suggestion:
         """Where to learn next; see ``Database.suggest``.
 
         Raises:
-            ServiceError: If the learner has no answer; its code says why.
+            TsdError: What ``Database.suggest`` raises.
         """
         selector = {
-            "task": task,
+            "task": motion,
             **{name: repr(float(value)) for name, value in parameters.items()},
         }
         for name, (low, high) in region.items():
@@ -106,16 +111,18 @@ class RemoteLearner:
         body = self._session.query_one(suggestion_key(robot), parameters=selector)
         return SuggestionMessage.decode(body).suggestion()
 
-    def record(self, recording: Recording) -> tuple[EntryMessage, list[str]]:
+    def record(
+        self, recording: Recording, instruction: Instruction = USUAL
+    ) -> tuple[EntryMessage, list[str]]:
         """Hand over one repetition; see ``Database.record``.
 
         Returns:
             The entry as it is now, and remarks for the user.
 
         Raises:
-            ServiceError: If the recording does not fit the entry.
+            TsdError: What ``Database.record`` raises.
         """
-        payload = RecordMessage.of(recording).encode()
+        payload = RecordMessage.of(recording, instruction).encode()
         body = self._session.query_one(record_key(recording.key.robot), payload=payload)
         reply = RecordReply.decode(body)
         return reply.entry, reply.notes
@@ -132,7 +139,7 @@ class RemoteLearner:
             entry: Its number.
 
         Raises:
-            ServiceError: If there is none of that number.
+            EntryNotFound: If there is none of that number.
         """
         body = self._session.query_one(database_key(ANY_ROBOT), parameters={"forget": str(entry)})
         return DatabaseReply.decode(body)
