@@ -52,7 +52,7 @@ EXPERIMENTS: tuple[type[Experiment], ...] = (
 
 
 def choose_experiments(figure: int | None, quick: bool) -> list[Experiment]:
-    """The experiments of a figure of the paper, or all.
+    """Choose the experiments of a figure of the paper, or all.
 
     Raises:
         InvalidValue: If no experiment reproduces that figure.
@@ -131,7 +131,7 @@ def check_cases(experiments: Sequence[Experiment], robot: Robot) -> None:
 
 
 def duration_goals(quick: bool, minutes: float) -> list[Goal]:
-    """How long it may take and took.
+    """Compare how long it took with how long it may take.
 
     Args:
         minutes: What it took [min].

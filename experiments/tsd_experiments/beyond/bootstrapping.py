@@ -1,4 +1,4 @@
-"""A squat that fails from nothing, started from what an easier one learned."""
+"""The paper's proposal: a squat that fails from nothing starts from what an easier one learned."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Bootstrapping(Experiment):
         return replace(case, frequency=0.5)
 
     def jobs(self, done: Done) -> list[Job]:
-        """The easier cases and those from nothing, then those started from the easier."""
+        """Learn the easier cases and from nothing, then start from the easier ones."""
         iterations = QUICK_ITERATIONS if self.quick else ITERATIONS
         jobs: dict[str, Job] = {}
         for error in self._errors:
@@ -107,7 +107,7 @@ class Bootstrapping(Experiment):
         return f"bootstrapping-{error:g}-from-{_slug(start.name)}-{rule}"
 
     def report(self, done: Done) -> Section:
-        """Errors by iteration."""
+        """Report errors by iteration."""
         rows, lines, found = [], [], []
         for error in self._errors:
             reached = dict.fromkeys((start.name for start in self._starts), 0)

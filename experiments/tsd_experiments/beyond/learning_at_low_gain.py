@@ -1,4 +1,4 @@
-"""Faster learning where the plain sum is slow: tall and soft."""
+"""Asked here: does the stable rule learn faster where the plain sum is slow, tall and soft?"""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class LearningAtLowGain(Experiment):
     name = "low_gain"
 
     def jobs(self, done: Done) -> list[Job]:
-        """The two rules on the same cases."""
+        """Learn the same cases by the two rules."""
         case = Case(height=TALL).at_stiffness(SOFT)
         return [
             Job(
@@ -40,7 +40,7 @@ class LearningAtLowGain(Experiment):
         ]
 
     def report(self, done: Done) -> Section:
-        """Errors by iteration."""
+        """Report errors by iteration."""
         results = {
             (rule, sign): done[f"low_gain-{rule}{sign.split()[0]}"]
             for rule in RULES

@@ -17,7 +17,7 @@ from tsd_experiments.comparison.methods import learn_task, learn_torque
 
 
 def generalized_acceleration(benches: Sequence[Bench], asked: Motion) -> Alternative:
-    """Task accelerations for a motion that was never tried."""
+    """Generalise task accelerations to a motion that was never tried."""
     learned = [learn_task(bench) for bench in benches]
     names, inputs = varied([item.parameters for item in learned])
     weights = [item.weights for item in learned]
@@ -39,7 +39,7 @@ def generalized_acceleration(benches: Sequence[Bench], asked: Motion) -> Alterna
 
 
 def generalized_torque(benches: Sequence[Bench], asked: Motion) -> Alternative:
-    """Joint torques for a motion that was never tried."""
+    """Generalise joint torques to a motion that was never tried."""
     learned = [learn_torque(bench) for bench in benches]
     torques = generalize_torques(asked.name, learned, asked.parameters)
     return Alternative(

@@ -42,7 +42,7 @@ def measure(
 
 
 def describe(run: Run, alternative: Alternative, scenario: Scenario) -> dict[str, Any]:
-    """Tell what is compared of a run, plain data; None where nothing was measured."""
+    """Write what is compared of a run as plain data, None where nothing was measured."""
     log = run.log
     true_error = np.asarray(log["true_error"][log["measured"]])
     values = {

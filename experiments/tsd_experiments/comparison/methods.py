@@ -47,7 +47,7 @@ from tsd_experiments.comparison.bench import Alternative, Bench
 
 
 def learn_task(bench: Bench) -> Feedforward:
-    """The paper's plain sum.
+    """Learn task accelerations by the paper's plain sum.
 
     Returns:
         The feedforward after the last iteration, not yet tried.
@@ -83,7 +83,7 @@ def learn_task(bench: Bench) -> Feedforward:
 
 
 def learn_torque(bench: Bench) -> TorqueFeedforward:
-    """The same sum in joint torques.
+    """Learn joint torques by the same plain sum.
 
     Returns:
         The feedforward after the last iteration, not yet tried.
@@ -104,35 +104,35 @@ def learn_torque(bench: Bench) -> TorqueFeedforward:
 
 
 def nothing(bench: Bench) -> Alternative:
-    """Feedback alone."""
+    """Prepare feedback alone."""
     return Alternative(bench.controller)
 
 
 def integral(bench: Bench) -> Alternative:
-    """Integral action with its usual gain."""
+    """Prepare integral action with its usual gain."""
     return Alternative(bench.controller, compensators=[IntegralAction()])
 
 
 def stiff_integral(bench: Bench) -> Alternative:
-    """Integral action at half of the Routh limit."""
+    """Prepare integral action at half of the Routh limit."""
     Ki = math.prod(_gains(bench)) / 2
     return Alternative(bench.controller, compensators=[IntegralAction(Ki)])
 
 
 def observer(bench: Bench) -> Alternative:
-    """A disturbance observer with its usual bandwidth."""
+    """Prepare a disturbance observer with its usual bandwidth."""
     return Alternative(bench.controller, compensators=[DisturbanceObserver()])
 
 
 def fast_observer(bench: Bench) -> Alternative:
-    """A disturbance observer as fast as the lags allow with some margin."""
+    """Prepare a disturbance observer as fast as the lags allow with some margin."""
     _, D = _gains(bench)
     bandwidth = usual_bandwidth(bench.robot, D, crossover=1.0)
     return Alternative(bench.controller, compensators=[DisturbanceObserver(bandwidth)])
 
 
 def constant(bench: Bench) -> Alternative:
-    """Only the mean of what is learned in task accelerations."""
+    """Prepare only the mean of learned task accelerations."""
     learned = learn_task(bench)
     return Alternative(
         bench.controller, learned.constant(), numbers_learned=1, repetitions=bench.iterations
@@ -140,7 +140,7 @@ def constant(bench: Bench) -> Alternative:
 
 
 def task_acceleration(bench: Bench) -> Alternative:
-    """The paper's rule."""
+    """Prepare task accelerations, learned by the paper's rule."""
     learned = learn_task(bench)
     return Alternative(
         bench.controller,
@@ -151,7 +151,7 @@ def task_acceleration(bench: Bench) -> Alternative:
 
 
 def stable_task_acceleration(bench: Bench) -> Alternative:
-    """The same by the stable rule."""
+    """Prepare task accelerations, learned by the stable rule."""
     with tempfile.TemporaryDirectory() as folder, Database(Path(folder) / "learned") as database:
         learn(
             bench.simulator,
@@ -173,7 +173,7 @@ def stable_task_acceleration(bench: Bench) -> Alternative:
 
 
 def joint_torque(bench: Bench) -> Alternative:
-    """The same in joint torques."""
+    """Prepare joint torques, learned by the plain sum."""
     learned = learn_torque(bench)
     return Alternative(
         bench.controller,
@@ -184,18 +184,18 @@ def joint_torque(bench: Bench) -> Alternative:
 
 
 def identified(bench: Bench) -> Alternative:
-    """A controller compiled from inertias identified in one repetition."""
+    """Prepare a controller compiled from inertias identified in one repetition."""
     return _recompiled(bench, identify_inertias(bench.robot, _observed(bench)))
 
 
 def identified_with_friction(bench: Bench) -> Alternative:
-    """The same with joint friction, compensated by feedforward."""
+    """Prepare an identified controller with joint friction, compensated by feedforward."""
     found = identify_with_friction(bench.robot, _observed(bench))
     return _recompiled(bench, found, FrictionFeedforward(found.friction))
 
 
 def identified_with_excitation(bench: Bench) -> Alternative:
-    """The same from one repetition that sways on purpose."""
+    """Prepare an identified controller with friction, from a repetition that sways on purpose."""
     observed = _observed(bench, Excitation())
     found = identify_with_friction(bench.robot, observed)
     return _recompiled(bench, found, FrictionFeedforward(found.friction))
@@ -218,7 +218,7 @@ METHODS: dict[str, Callable[[Bench], Alternative]] = {
 
 
 def _gains(bench: Bench) -> tuple[float, float]:
-    """P and D of the learned axis."""
+    """Compute P and D of the learned axis."""
     task, axis = bench.axis.split(".")
     component = bench.controller.format.component_index(task, axis)
     command, factors = bench.controller.command(), bench.gains

@@ -23,12 +23,12 @@ class Experiment(abc.ABC):
     figures: tuple[int, ...] = ()
 
     def __init__(self, quick: bool) -> None:
-        """Choose the size."""
+        """Choose the short form or the full one."""
         self.quick = quick
 
     @abc.abstractmethod
     def jobs(self, done: Done) -> list[Job]:
-        """All jobs that can be named with the results so far.
+        """Name all jobs that can be named with the results so far.
 
         Args:
             done: Finished jobs of this and other experiments by name.
@@ -36,4 +36,4 @@ class Experiment(abc.ABC):
 
     @abc.abstractmethod
     def report(self, done: Done) -> Section:
-        """The experiment's part of the report."""
+        """Write the experiment's part of the report."""

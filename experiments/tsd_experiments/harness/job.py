@@ -45,7 +45,7 @@ class Job:
         return f"{self.function.__module__}:{self.function.__qualname__}"
 
     def fingerprint(self, robot: Robot) -> str:
-        """What the stored result must have been made from.
+        """Hash what the stored result must have been made from.
 
         The program itself counts by its version only.
         """
@@ -77,7 +77,7 @@ class Result:
     span: Span
 
     def row(self, label: str) -> dict[str, Any]:
-        """The row of that label.
+        """Give the row of a label.
 
         Args:
             label: Unique in the result.
@@ -91,7 +91,7 @@ class Result:
         raise KeyError(label)
 
     def last_iteration(self) -> str:
-        """Label of the last iteration that was run.
+        """Give the label of the last iteration that was run.
 
         Raises:
             SimulationError: If not even the first one was.
@@ -102,7 +102,7 @@ class Result:
         return str(labels[-1])
 
     def errors(self, name: str = "rms_error_m") -> Vector:
-        """One measure of every run that has it, in order.
+        """List one measure of every run that has it, in order.
 
         Args:
             name: Of the measure; its unit is at the end of the name.
@@ -110,5 +110,5 @@ class Result:
         return np.array([row[name] for row in self.rows if row.get(name) is not None])
 
     def weights(self, label: str) -> list[float]:
-        """Weights that a run used, (L,) [m/s^2]."""
+        """Give the weights that a run used, (L,) [m/s^2]."""
         return [float(value) for value in self.arrays[f"{label}/weights"][0]]

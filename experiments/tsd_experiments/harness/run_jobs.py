@@ -22,7 +22,7 @@ from tsd_experiments.harness.store import Store
 
 
 def cores() -> int:
-    """Number of processors that this process may use."""
+    """Count the processors that this process may use."""
     return len(os.sched_getaffinity(0))
 
 
@@ -92,7 +92,7 @@ def _workplace(path: str) -> tuple[Robot, Controller]:
 
 
 def _leave_interrupts() -> None:
-    """Ctrl-C reaches all processes of a terminal; the first one ends the others."""
+    """Ignore Ctrl-C: it reaches all processes of a terminal, the first ends the others."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 

@@ -36,7 +36,7 @@ class Goal:
         }[relation]
 
     def plain(self) -> dict[str, Any]:
-        """Plain data for JSON."""
+        """Write the goal as plain data for JSON."""
         return {
             "id": self.identifier,
             "goal": self.goal,

@@ -36,7 +36,7 @@ class Store:
             raise TsdError(f"cannot write to {folder}: {error}; choose another --out") from error
 
     def load(self, job: Job) -> Result | None:
-        """The result of a job that was finished with the same arguments."""
+        """Read the result of a job that was finished with the same arguments."""
         described = self.folder / f"{job.name}.json"
         try:
             document = json.loads(described.read_text())

@@ -1,4 +1,4 @@
-"""Generalisation over amplitude: gen_cog_err, its rivals, and leave-one-out."""
+"""The paper's gen_cog_err: generalisation over amplitude, its rivals, and leave-one-out."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class AmplitudeGeneralization(Experiment):
     case = Case()
 
     def jobs(self, done: Done) -> list[Job]:
-        """Entries first, then runs with what follows from them."""
+        """Learn the entries, then run what follows from them."""
         amplitudes = sorted({*PAPER, ASKED, *(() if self.quick else TENS)})
         entries = [
             Job(
@@ -73,7 +73,7 @@ class AmplitudeGeneralization(Experiment):
         return entries + jobs
 
     def _left_out_sentence(self, done: Done) -> list[str]:
-        """Regression against a straight line, with few and with many entries."""
+        """Tell how regression does against a straight line, with few and many entries."""
         if self.quick:
             return []
         few, many = _worse(done, "without", PAPER), _worse(done, "tens", LEFT_OUT)
@@ -101,7 +101,7 @@ class AmplitudeGeneralization(Experiment):
         ]
 
     def report(self, done: Done) -> Section:
-        """Errors at 5 cm by the source of the feedforward, and leave-one-out."""
+        """Report errors at 5 cm by the source of the feedforward, and leave-one-out."""
         direct = done[_entry(ASKED)].rows[CONVERGED]
         rows = [("directly learned", direct)]
         rows += [(kind, done[f"amplitude-{kind}-{ASKED:g}"].row("replay")) for kind in QUERIES]
@@ -155,7 +155,7 @@ class AmplitudeGeneralization(Experiment):
 
 
 def _worse(done: Done, name: str, amplitudes: Sequence[float]) -> list[float]:
-    """Error with the regression by error with linear interpolation, each left out."""
+    """Divide the error with the regression by that with a line, each left out."""
     return [
         done[f"amplitude-{name}-generalised-{amplitude:g}"].row("replay")["ac_rms_error_m"]
         / done[f"amplitude-{name}-linear-{amplitude:g}"].row("replay")["ac_rms_error_m"]
@@ -193,7 +193,7 @@ def _errors(row: Mapping[str, float]) -> list[str]:
 
 
 def _predict(kind: str, known: Mapping[float, Sequence[float]], asked: float) -> list[float]:
-    """Weights for an amplitude from those of others."""
+    """Predict the weights for an amplitude from those of others."""
     amplitudes = np.array(sorted(known))
     weights = np.array([known[amplitude] for amplitude in amplitudes])
     if kind == "nearest":
@@ -212,7 +212,7 @@ def _predict(kind: str, known: Mapping[float, Sequence[float]], asked: float) ->
 
 
 def _interpolate(amplitudes: np.ndarray, weights: np.ndarray, asked: float) -> np.ndarray:
-    """Linear, and beyond the ends on the line of the last two."""
+    """Interpolate linearly, and beyond the ends on the line of the last two."""
     i = int(np.clip(np.searchsorted(amplitudes, asked), 1, len(amplitudes) - 1))
     low, high = amplitudes[i - 1], amplitudes[i]
     share = (asked - low) / (high - low)

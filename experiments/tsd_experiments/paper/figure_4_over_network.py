@@ -1,4 +1,4 @@
-"""Experiments that ask both services for everything, as a user would."""
+"""The job behind gen_cog_err: both services are asked for everything, as a user would."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The real robot's stand-in: realcog_err, and learning that goes on for long."""
+"""The paper's realcog_err on the real robot's stand-in, and learning that goes on for long."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class StandIn(Experiment):
     case = Case(hardware=("all",))
 
     def jobs(self, done: Done) -> list[Job]:
-        """The paper's figure over the network, long runs of both rules, each effect left out."""
+        """Learn over the network, for long by both rules, and with each effect left out."""
         jobs = [
             Job(
                 f"stand_in-{frequency}",
@@ -105,7 +105,7 @@ class StandIn(Experiment):
         return replace(self.case, frequency=0.5, hardware=hardware).plain()
 
     def report(self, done: Done) -> Section:
-        """Errors with and without, iterations of both rules, contraction by harmonic."""
+        """Report errors with and without, iterations of both rules, contraction by harmonic."""
         short = {name: done[f"stand_in-{value}"] for name, value in FREQUENCIES.items()}
         plain, stable = done["stand_in-long-plain"], done["stand_in-long-stable"]
         fresh = done["stand_in-long-fresh"]
@@ -225,7 +225,7 @@ def _iterations(plain: Result, stable: Result, fresh: Result) -> Table:
 
 
 def _bound_sentence(stable: Result, frictionless: Result | None) -> str:
-    """How often more was left than predicted."""
+    """Tell how often more was left than predicted."""
     predicted, observed = (stable.arrays[f"filter/{name}"] for name in ("predicted", "observed"))
     count = min(SHOWN, len(observed))
     told = ~np.isnan(observed[:count]) & ~np.isnan(predicted[:count])

@@ -1,4 +1,4 @@
-"""One squat in pictures, as the paper's last figure, and as a short film."""
+"""The paper's last figure: one squat in pictures, and as a short film."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def film(robot: Robot, controller: WholeBodyController, case: dict[str, Any]) ->
 
 
 def movie(done: Done, robot: Robot) -> bytes | None:
-    """One squat as a GIF that repeats.
+    """Make a GIF of one squat that repeats.
 
     Returns:
         The file's content; None if the squat was not among the jobs or no GL
@@ -77,12 +77,12 @@ class Stills(Experiment):
     figures = (6,)
 
     def jobs(self, done: Done) -> list[Job]:
-        """One squat."""
+        """Learn one squat and keep it."""
         case = Case(laps=2, frequency=1.0 if self.quick else 0.25)
         return [Job(JOB, film, {"case": case.plain()}, cost=15)]
 
     def report(self, done: Done) -> Section:
-        """The pictures, or what is missing to render them."""
+        """Report the pictures, or what is missing to render them."""
         result = done[JOB]
         row, time, z = result.row("lap"), result.arrays["time"], result.arrays["com_z"]
         section = Section(

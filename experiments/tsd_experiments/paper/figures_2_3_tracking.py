@@ -1,4 +1,4 @@
-"""The paper's first experiment: cog_err and RBS_error."""
+"""The paper's cog_err and RBS_error: squatting with a wrong model."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Tracking(Experiment):
     case = Case()
 
     def jobs(self, done: Done) -> list[Job]:
-        """Learning first, then what uses what was learned."""
+        """Learn first, then use what was learned."""
         plain = self.case.plain()
         learned = Job(
             "tracking-learned",
@@ -51,7 +51,7 @@ class Tracking(Experiment):
         return jobs
 
     def report(self, done: Done) -> Section:
-        """Errors of the three cases and two more, the feedback, the encoding."""
+        """Report errors of the three cases and two more, the feedback, the encoding."""
         learned, reduced = done["tracking-learned"], done["tracking-reduced"]
         runs = [
             ("no feedforward", learned, "iteration 0"),
@@ -148,7 +148,7 @@ def _errors(runs: list[tuple[str, Result, str]]) -> Table:
 
 
 def encoding_errors(result: Result) -> list[tuple[int, float]]:
-    """RMS of what a basis leaves of the recorded feedback, by its size [m/s^2]."""
+    """Compute what a basis leaves of a learned case's feedback, RMS by its size [m/s^2]."""
     phase, feedback = result.arrays["lap/phase"], result.arrays["lap/feedback"]
     errors = []
     for size in BASIS_SIZES:

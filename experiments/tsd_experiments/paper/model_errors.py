@@ -1,4 +1,4 @@
-"""Where learning works and where it fails: errors, gains and postures."""
+"""The paper's claim about 20 %: where learning works and fails, by error, gain and posture."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class ModelErrors(Experiment):
     case = Case(laps=2, frequency=0.5)
 
     def jobs(self, done: Done) -> list[Job]:
-        """One job per cell; some cells are in two tables."""
+        """Learn once per cell; some cells are in two tables."""
         points = (*self._uniform(), *self._listed(), *self._swept())
         return [point.job(self.case) for point in dict.fromkeys(points)]
 
@@ -79,12 +79,12 @@ class ModelErrors(Experiment):
         ]
 
     def _listed(self) -> list[_Point]:
-        """Random signs whose runs are listed one by one."""
+        """List the random signs whose runs are listed one by one."""
         errors, seeds = (PER_LINK[:1], SEEDS[:2]) if self.quick else (PER_LINK, SEEDS)
         return [_Point("home", error, OWN, seed) for error in errors for seed in seeds]
 
     def _swept(self) -> list[_Point]:
-        """Random signs from soft to stiff in both postures; nothing in the short form."""
+        """List random signs from soft to stiff in both postures, none in the short form."""
         return [
             _Point(posture, SWEPT, P, seed)
             for posture in POSTURES
@@ -94,7 +94,7 @@ class ModelErrors(Experiment):
         ]
 
     def report(self, done: Done) -> Section:
-        """Tables by posture, and one of random signs with true and estimated errors."""
+        """Report a table by posture, and one of random signs with true and estimated errors."""
         points = self._uniform()
         gains = self._gains
         failures = [point for point in points if _outcome(done[point.name]) != "learns"]
@@ -147,7 +147,7 @@ class ModelErrors(Experiment):
         )
 
     def _claim_sentence(self, failures: Sequence[_Point]) -> str:
-        """What came of the paper's 20 %."""
+        """Tell what came of the paper's 20 %."""
         at_20 = [point for point in failures if abs(point.error) == 0.2]
         gains = sorted({point.P for point in failures})
         found = (

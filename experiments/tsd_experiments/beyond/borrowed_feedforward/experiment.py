@@ -57,7 +57,7 @@ class BorrowedFeedforward(Experiment):
                 yield world, donor, case, job
 
     def jobs(self, done: Done) -> list[Job]:
-        """Learning elsewhere first, then the runs with what is borrowed."""
+        """Learn elsewhere first, then run with what is borrowed."""
         jobs: dict[str, Job] = {}
         for world, donor, case, source in self._sources():
             jobs[source.name] = source
@@ -76,7 +76,7 @@ class BorrowedFeedforward(Experiment):
         return f"borrowed-{world}-with-{donor.name.replace(' ', '_').replace('%', 'percent')}"
 
     def verdicts(self, done: Done) -> list[Verdict]:
-        """One for each world and donor."""
+        """Judge the gate for each world and donor."""
         verdicts = []
         for world, donor, case, _ in self._sources():
             result = done[self._name(world, donor)]
@@ -95,7 +95,7 @@ class BorrowedFeedforward(Experiment):
         return verdicts
 
     def report(self, done: Done) -> Section:
-        """What was dropped, when, and whether that was right."""
+        """Report what was dropped, when, and whether that was right."""
         verdicts = self.verdicts(done)
         clear = [each for each in verdicts if not each.tied]
         right = sum(each.right for each in clear)

@@ -27,7 +27,7 @@ RECOVERED = 1e-3  # m
 
 
 class Until(Disturbance):
-    """Another disturbance, but not for ever."""
+    """Another disturbance that ends at some time."""
 
     def __init__(self, end: float, disturbance: Disturbance) -> None:
         """Choose what ends when.

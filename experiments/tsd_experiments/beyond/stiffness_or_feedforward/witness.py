@@ -38,7 +38,7 @@ class Witness(Disturbance):
         return np.array(self._force)
 
     def apply(self, data: Any, state_map: StateMap, time: float) -> None:
-        """Note what is there."""
+        """Note centre of mass and ground force."""
         self._com.append(data.subtree_com[state_map.base_body].copy())
         base = data.model.body_dofadr[state_map.base_body]
         self._force.append(float(np.linalg.norm(data.qfrc_constraint[base : base + 3])))

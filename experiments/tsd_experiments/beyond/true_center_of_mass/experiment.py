@@ -63,7 +63,7 @@ class TrueCenterOfMass(Experiment):
     name = "center_of_mass"
 
     def jobs(self, done: Done) -> list[Job]:
-        """One job per seed; on the stand-in with and without an inclinometer."""
+        """Calibrate once per seed, on the stand-in with and without an inclinometer."""
         if self.quick:
             return [self._job(1, (), None, 12)]
         jobs = [self._job(seed, (), None, POSES) for seed in SEEDS]
@@ -87,7 +87,7 @@ class TrueCenterOfMass(Experiment):
         return Job(name, calibrate_and_learn, arguments, cost=45)
 
     def report(self, done: Done) -> Section:
-        """True errors before and after, and what the calibration knows of itself."""
+        """Report true errors before and after, and what the calibration knows of itself."""
         jobs = self.jobs(done)
         ideal = [done[job.name] for job in jobs if not job.arguments["case"]["hardware"]]
         worst = min(_times(result) for result in ideal)

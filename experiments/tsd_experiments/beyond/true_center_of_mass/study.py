@@ -30,7 +30,7 @@ LEAST_NOISE = 2e-4  # m
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Before and after a correction.
+    """How good the centre of mass is before and after a correction.
 
     Attributes:
         poses: How many were measured.
@@ -53,7 +53,7 @@ class Accuracy:
     deviation_after: list[float]
 
     def plain(self) -> dict[str, Any]:
-        """As data for JSON."""
+        """Write the accuracy as plain data for JSON."""
         return asdict(self)
 
 

@@ -142,7 +142,7 @@ class TwoParameters(Experiment):
         return section
 
     def _curve_sentence(self, predictions: Predictions) -> str:
-        """Tell how far predicted curves are from learned ones, which no floor of tracking hides."""
+        """Tell how far predicted curves are from learned ones; no floor of tracking hides it."""
         generalized, interpolated = predictions.off_by(self.grid.learned, self.grid.held_out)
         return (
             "Entries that are still learning rank nothing by their errors; the curves themselves "

@@ -70,6 +70,6 @@ class Excitation(Compensator):
 
 
 def _bounded(amplitude: float, fastest: float, omega: Vector) -> Vector:
-    """Amplitudes of sines whose second derivatives stay below a bound."""
+    """Choose amplitudes of sines whose second derivatives stay below a bound."""
     squared = np.maximum(omega**2, fastest / amplitude)
     return np.asarray(fastest / squared)

@@ -1,4 +1,4 @@
-"""Feedforward of joint friction."""
+"""Joint friction, identified, as a feedforward of torques."""
 
 from __future__ import annotations
 

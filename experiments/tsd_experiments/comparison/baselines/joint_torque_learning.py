@@ -49,12 +49,12 @@ class TorqueFeedforward:
 
     @classmethod
     def zero(cls, joints: Sequence[str], parameters: dict[str, float]) -> TorqueFeedforward:
-        """Nothing learned yet."""
+        """Make a feedforward of nothing learned yet."""
         basis = PeriodicBasis()
         return cls(tuple(joints), basis, np.zeros((len(joints), basis.L)), parameters)
 
     def mean(self, phase: ArrayLike) -> Matrix:
-        """The torques.
+        """Compute the torques at some phases.
 
         Args:
             phase: (N,) [rad].
@@ -98,7 +98,7 @@ class FeedbackTorque(Compensator):
 
 
 class LearnedTorque(Compensator):
-    """Adds a torque feedforward."""
+    """Adds a learned feedforward to the torques."""
 
     def __init__(self, feedforward: TorqueFeedforward) -> None:
         """Take what was learned."""
@@ -169,7 +169,7 @@ def learn_joint_torques(
 def add_feedback(
     applied: TorqueFeedforward, run: Run, recorded: FeedbackTorque
 ) -> TorqueFeedforward:
-    """Torques for the next repetition.
+    """Add a repetition's feedback to the torques for the next one.
 
     Returns:
         Applied plus fitted.
@@ -193,7 +193,7 @@ def add_feedback(
 def generalize_torques(
     task: str, learned: Sequence[TorqueFeedforward], parameters: dict[str, float]
 ) -> TorqueFeedforward:
-    """Torques for task parameters that were never tried, as for task accelerations.
+    """Generalise torques to parameters that were never tried, as task accelerations are.
 
     Args:
         learned: What was learned at other parameters; the regression is over
@@ -220,7 +220,7 @@ def generalize_torques(
 
 
 def varied(parameters: Sequence[dict[str, float]]) -> tuple[list[str], Matrix]:
-    """Which task parameters differ, and their values.
+    """Tell which of some motions' parameters differ, and their values.
 
     Returns:
         Names of those that differ, d of them, and their values, (n, d).

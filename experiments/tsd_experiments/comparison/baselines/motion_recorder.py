@@ -22,7 +22,7 @@ HARMONICS = 10  # of the motion, what lies above is noise
 
 
 class MotionRecorder(Compensator):
-    """Keeps measured states and commanded torques; must be the last correction.
+    """Keeps measured states and commanded torques; must be the last compensator.
 
     Attributes:
         q: One (nq,) per tick.
@@ -48,7 +48,7 @@ class MotionRecorder(Compensator):
 
 
 def observe(run: Run, recorder: MotionRecorder) -> Observations:
-    """One average lap of a repetition.
+    """Average the steady laps of a repetition to observations of one lap.
 
     Returns:
         Its steady laps, averaged over the phase and smoothed.
@@ -74,7 +74,7 @@ def observe(run: Run, recorder: MotionRecorder) -> Observations:
 
 
 def _average(phase: Vector, values: Matrix) -> Matrix:
-    """Means over equal parts of a lap, (BINS, columns)."""
+    """Average values over equal parts of a lap, (BINS, columns)."""
     index = np.floor(np.mod(phase / (2 * math.pi), 1.0) * BINS).astype(int) % BINS
     sums = np.zeros((BINS, values.shape[1]))
     np.add.at(sums, index, values)
@@ -82,7 +82,7 @@ def _average(phase: Vector, values: Matrix) -> Matrix:
 
 
 def _harmonics(values: Matrix, derivative: int, omega: float) -> Matrix:
-    """Derivative by time of the lowest harmonics of one lap, (BINS, columns)."""
+    """Differentiate the lowest harmonics of one lap by time, (BINS, columns)."""
     spectrum = np.fft.rfft(values, axis=0)
     spectrum[HARMONICS + 1 :] = 0.0
     rate = 1j * omega * np.arange(len(spectrum))
