@@ -44,7 +44,7 @@ def check_summary(out: Path) -> None:
 def test_demo_reaches_its_goals(tmp_path: Path) -> None:
     start = time.monotonic()
     done = subprocess.run(
-        [sys.executable, "-m", "tsd_cli.command_line", "demo", "--out", str(tmp_path)],
+        [sys.executable, "-m", "tsd_cli", "demo", "--out", str(tmp_path)],
         capture_output=True,
         text=True,
         timeout=900,

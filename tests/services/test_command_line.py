@@ -20,7 +20,7 @@ def tsd_command(
     *arguments: str, timeout: float = 120.0, **environment: str
 ) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "tsd_cli.command_line", *arguments],
+        [sys.executable, "-m", "tsd_cli", *arguments],
         capture_output=True,
         text=True,
         timeout=timeout,
@@ -331,7 +331,7 @@ def test_interrupted_client_ends_at_once_with_130(connect: list[str]) -> None:
         [
             sys.executable,
             "-m",
-            "tsd_cli.command_line",
+            "tsd_cli",
             "simulate",
             "squat",
             "--laps",

@@ -35,7 +35,9 @@ def reproduce(
     output: JsonOptions,
     figure: Annotated[
         int | None,
-        typer.Option("--figure", help="Only this figure of the paper: 2, 3, 4, 5 or 6."),
+        typer.Option(
+            "--figure", metavar="N", help="Only this figure of the paper: 2, 3, 4, 5 or 6."
+        ),
     ] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="A short form of everything, in under five minutes.")
