@@ -33,7 +33,10 @@ from tsd_experiments.paper.figure_5_stand_in import StandIn
 from tsd_experiments.paper.figure_6_stills import Stills, movie
 from tsd_experiments.paper.figures_2_3_tracking import Tracking
 from tsd_experiments.paper.model_errors import ModelErrors
-from tsd_experiments.report.report import circumstances, save_figures, write_html, write_page
+from tsd_experiments.report.circumstances import circumstances
+from tsd_experiments.report.html_page import write_html
+from tsd_experiments.report.markdown_page import write_markdown
+from tsd_experiments.report.save_figures import save_figures
 
 EXPERIMENTS: tuple[type[Experiment], ...] = (
     Tracking,
@@ -107,7 +110,7 @@ def reproduce(
         folder.mkdir(parents=True, exist_ok=True)
         for name, picture in pictures.items():
             (folder / f"{name}.png").write_bytes(picture)
-        write_page(sections, goals, made_with, folder.name, page)
+        write_markdown(sections, goals, made_with, folder.name, page)
     summary = {**made_with, "rows": [goal.plain() for goal in goals]}
     (out / "summary.json").write_text(json.dumps(summary, indent=2))
     return summary

@@ -13,7 +13,7 @@ class Goal:
 
     Attributes:
         identifier: What is compared.
-        goal: Relation and bound, '>= 25' or '90 .. 99'.
+        goal: Relation and bound, '>= 25', '< 5' or '90 .. 99'.
         measured: The number; None if the run does not cover it.
     """
 
@@ -33,7 +33,18 @@ class Goal:
         return {
             ">=": self.measured >= float(bound),
             "<=": self.measured <= float(bound),
+            "<": self.measured < float(bound),
         }[relation]
+
+    @property
+    def verdict(self) -> str:
+        """Whether the goal is reached, in a word or two."""
+        return {True: "met", False: "missed", None: "not covered"}[self.met]
+
+    @property
+    def measured_text(self) -> str:
+        """The number for a table."""
+        return "–" if self.measured is None else f"{self.measured:.4g}"
 
     def plain(self) -> dict[str, Any]:
         """Write the goal as plain data for JSON."""

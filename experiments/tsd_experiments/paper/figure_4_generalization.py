@@ -17,6 +17,7 @@ from tsd_experiments.harness.replay_case import replay_case
 from tsd_experiments.harness.section import Figure, Goal, Section, Table, millimeters
 from tsd_experiments.paper.figure_4_over_network import ITERATIONS as NETWORK_ITERATIONS
 from tsd_experiments.paper.figure_4_over_network import generalize_over_amplitude
+from tsd_experiments.report.curve import Curve
 from tsd_experiments.report.drawing import draw_tracking
 
 PAPER = (0.02, 0.04, 0.06, 0.08)  # m
@@ -163,19 +164,18 @@ def _worse(done: Done, name: str, amplitudes: Sequence[float]) -> list[float]:
     ]
 
 
-def _curves(done: Done, shown: Result) -> list[tuple[str, Result, str, str]]:
+def _curves(done: Done, shown: Result) -> list[Curve]:
     if "amplitude-network" in done:
-        labels = ("none", "learned", "generalised")
         return [
-            ("no feedforward", shown, labels[0], "none"),
-            ("learned at 5 cm", shown, labels[1], "learned"),
-            ("generalised", shown, labels[2], "reduced"),
+            Curve.stored("no feedforward", shown, "none", "none"),
+            Curve.stored("learned at 5 cm", shown, "learned", "learned"),
+            Curve.stored("generalised", shown, "generalised", "reduced"),
         ]
     generalized = done[f"amplitude-generalised-{ASKED:g}"]
     return [
-        ("no feedforward", shown, "iteration 0", "none"),
-        ("learned at 5 cm", shown, f"iteration {CONVERGED}", "learned"),
-        ("generalised", generalized, "replay", "reduced"),
+        Curve.stored("no feedforward", shown, "iteration 0", "none"),
+        Curve.stored("learned at 5 cm", shown, f"iteration {CONVERGED}", "learned"),
+        Curve.stored("generalised", generalized, "replay", "reduced"),
     ]
 
 

@@ -13,6 +13,7 @@ from tsd_experiments.harness.job import Job, Result
 from tsd_experiments.harness.learn_case import learn_case
 from tsd_experiments.harness.replay_case import replay_case
 from tsd_experiments.harness.section import Figure, Goal, Section, Table, millimeters
+from tsd_experiments.report.curve import Curve
 from tsd_experiments.report.drawing import draw_errors, draw_lines
 
 FREQUENCIES = {"0.25 Hz": 0.25, "0.5 Hz": 0.5}
@@ -151,17 +152,7 @@ class StandIn(Experiment):
                     "realcog_err",
                     "Error with and without the learned term on the stand-in.",
                     lambda: draw_errors(
-                        [
-                            (
-                                name,
-                                [
-                                    ("no feedforward", result, "iteration 0", "none"),
-                                    ("learned, 1 iteration", result, "iteration 1", "learned"),
-                                ],
-                            )
-                            for name, result in short.items()
-                        ],
-                        shared=False,
+                        [(name, _curves(result)) for name, result in short.items()], shared=False
                     ),
                 ),
                 Figure(
@@ -203,6 +194,13 @@ class StandIn(Experiment):
                 ),
             ],
         )
+
+
+def _curves(result: Result) -> list[Curve]:
+    return [
+        Curve.stored("no feedforward", result, "iteration 0", "none"),
+        Curve.stored("learned, 1 iteration", result, "iteration 1", "learned"),
+    ]
 
 
 def _iterations(plain: Result, stable: Result, fresh: Result) -> Table:

@@ -11,7 +11,8 @@ from tsd_experiments.harness.job import Job, Result
 from tsd_experiments.harness.learn_case import learn_case
 from tsd_experiments.harness.replay_case import replay_case
 from tsd_experiments.harness.section import Figure, Goal, Section, Table, millimeters
-from tsd_experiments.report.drawing import Curve, draw_feedback, draw_lines, draw_tracking
+from tsd_experiments.report.curve import Curve
+from tsd_experiments.report.drawing import draw_feedback, draw_lines, draw_tracking
 
 BASIS_SIZES = (5, 10, 15, 20, 25, 30, 40, 50)
 REDUCED = 0.2
@@ -80,7 +81,7 @@ class Tracking(Experiment):
                 Figure(
                     "RBS_error",
                     "Feedback term, and the feedforward encoded from it.",
-                    lambda: draw_feedback(self._curves(done), (learned, "iteration 1")),
+                    lambda: draw_feedback(self._curves(done), self._curves(done)[1]),
                 ),
                 Figure(
                     "encoding",
@@ -105,9 +106,9 @@ class Tracking(Experiment):
     def _curves(self, done: Done) -> list[Curve]:
         learned = done["tracking-learned"]
         return [
-            ("no feedforward", learned, "iteration 0", "none"),
-            ("learned", learned, "iteration 1", "learned"),
-            ("learned, P / 5", done["tracking-reduced"], "replay", "reduced"),
+            Curve.stored("no feedforward", learned, "iteration 0", "none"),
+            Curve.stored("learned", learned, "iteration 1", "learned"),
+            Curve.stored("learned, P / 5", done["tracking-reduced"], "replay", "reduced"),
         ]
 
 

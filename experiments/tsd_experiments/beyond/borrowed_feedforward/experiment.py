@@ -14,6 +14,7 @@ from tsd_experiments.harness.job import Job, Result
 from tsd_experiments.harness.learn_case import learn_case
 from tsd_experiments.harness.replay_case import replay_case
 from tsd_experiments.harness.section import Figure, Section, Table
+from tsd_experiments.report.curve import Curve
 from tsd_experiments.report.drawing import draw_errors
 
 ITERATIONS = 2
@@ -142,9 +143,9 @@ class BorrowedFeedforward(Experiment):
         )
 
 
-def _curves(none: Result, borrowed: Result) -> list[tuple[str, Result, str, str]]:
+def _curves(none: Result, borrowed: Result) -> list[Curve]:
     return [
-        ("no feedforward", none, "replay", "none"),
-        ("sign flipped", borrowed, "ungated", "learned"),
-        ("sign flipped, gated", borrowed, "gated", "reduced"),
+        Curve.stored("no feedforward", none, "replay", "none"),
+        Curve.stored("sign flipped", borrowed, "ungated", "learned"),
+        Curve.stored("sign flipped, gated", borrowed, "gated", "reduced"),
     ]
