@@ -12,7 +12,7 @@ from tsd_cli.options.robot import RobotOptions
 from tsd_cli.output import check_outputs, put_out
 from tsd_clients.console.run_tables import print_goals
 from tsd_clients.console.table import console
-from tsd_experiments.demo import run_demo
+from tsd_experiments.demo.run_demo import run_demo
 from tsd_experiments.reproduce import reproduce
 
 
