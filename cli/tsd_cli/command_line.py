@@ -82,6 +82,9 @@ def _tsd(
 
 def run() -> None:
     """Run the command line; an error is one message on stderr, not a traceback."""
+    # pictures are rendered by processes of their own; MuJoCo would look for a window's
+    # library with a child in Python, which has its own opinion of Ctrl-C
+    os.environ.setdefault("MUJOCO_GL", "disable")
     try:
         app(prog_name="tsd")
     except TsdError as error:
