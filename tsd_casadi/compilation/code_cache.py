@@ -34,8 +34,8 @@ def cache_folder() -> Path:
     Raises:
         CacheNotPrivate: If somebody else could write to it.
     """
-    named = os.environ.get("TSD_CACHE_DIR")
-    folder = Path(named) if named else Path(platformdirs.user_cache_dir("tsd_casadi"))
+    named = os.environ.get("TSD_CACHE_DIR") or platformdirs.user_cache_dir("tsd_casadi")
+    folder = Path(os.path.expanduser(named))
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError as error:

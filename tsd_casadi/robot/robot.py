@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -179,7 +180,7 @@ class Robot:
 
     def _build_model(self) -> Any:
         for field, path in (("urdf", self.urdf_path), ("scene", self.scene_path)):
-            if not path.is_file():
+            if not os.path.isfile(path):  # a path's own is_file refuses long names
                 raise self._error(field, f"'{path}' is no file", "a path relative to this file")
         try:
             model = pinocchio.buildModelFromUrdf(
@@ -301,7 +302,7 @@ def load_robot(robot: str | Path) -> Robot:
     shipped = tsd_models.robot_files()
     if str(robot) in shipped:
         return Robot(shipped[str(robot)])
-    path = Path(robot).expanduser()
-    if not path.is_file():
+    path = Path(os.path.expanduser(robot))
+    if not os.path.isfile(path):
         raise UnknownRobot(str(robot), list(shipped))
     return Robot(path)

@@ -255,7 +255,7 @@ def read_robot_file(path: Path) -> RobotFile:
         document: Any = yaml.load(path.read_text(encoding="utf-8"), _Loader)
     except (OSError, UnicodeDecodeError) as error:
         raise RobotFileError(path, "", f"cannot be read ({error})", "a YAML file") from error
-    except yaml.YAMLError as error:
+    except Exception as error:  # besides YAMLError all that int(), datetime and depth raise
         reason = " ".join(str(error).split())
         raise RobotFileError(path, "", f"is not YAML ({reason})", "a YAML file") from error
     if not isinstance(document, dict):
