@@ -233,7 +233,7 @@ def test_amplitude_of_five_asks_for_metres() -> None:
         ("learn", "squat", "--amplitude", "5"),
         ("query", "squat", "--amplitude", "5"),
     ):
-        assert_refused(tsd_command(*arguments), "did you mean 0.05 m?")
+        assert_refused(tsd_command(*arguments), "did you mean 0.05 or 0.005 m?")
 
 
 @pytest.mark.parametrize(

@@ -104,12 +104,29 @@ def test_amplitude_out_of_range_is_refused(robot: tsd.Robot, amplitude: float) -
     assert "did you mean" not in str(caught.value)
 
 
-@pytest.mark.parametrize(("given_value", "meant"), [(5.0, "0.05"), (3, "0.03"), (0.5, "0.005")])
-def test_amplitude_in_centimetres_asks_whether_metres_were_meant(
+@pytest.mark.parametrize(
+    ("given_value", "meant"),
+    [
+        (5.0, "0.05 or 0.005"),
+        (0.5, "0.05 or 0.005"),
+        (30.0, "0.03"),
+        (8, "0.08 or 0.008"),
+        (0.9, "0.009"),
+    ],
+)
+def test_whatever_a_length_may_have_meant_is_asked_for(
     robot: tsd.Robot, given_value: float, meant: str
 ) -> None:
-    with pytest.raises(InvalidValue, match=f"did you mean {meant} m?"):
+    with pytest.raises(InvalidValue, match=rf": did you mean {meant} m\?$"):
         Squat(given_value, 0.25).check(robot)
+
+
+@pytest.mark.parametrize(
+    ("height", "meant"), [(0.5, "0.05 or 0.005 or 0.0005"), (-3, "-0.03 or -0.003")]
+)
+def test_the_same_of_a_height(robot: tsd.Robot, height: float, meant: str) -> None:
+    with pytest.raises(InvalidValue, match=rf": did you mean {meant} m\?$"):
+        Squat(0.03, 0.25, height).check(robot)
 
 
 @pytest.mark.parametrize("frequency", [0.0, 0.049, 1.01, -0.25, math.nan, math.inf, 5.0])

@@ -13,5 +13,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     """
     from difflib import get_close_matches
 
-    close = get_close_matches(name, list(known), n=2, cutoff=0.6)
+    names = list(known)
+    same = [each for each in names if each.lower() == name.lower()]
+    close = same or get_close_matches(name, names, n=2)
     return f"; did you mean {' or '.join(repr(each) for each in close)}?" if close else ""

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tsd_casadi.exceptions.base import TsdError
+from tsd_casadi.exceptions.did_you_mean import did_you_mean
 
 
 class RobotError(TsdError):
@@ -53,7 +54,7 @@ class UnknownRobot(RobotError):
         self.known = list(known)
         super().__init__(
             f"no robot '{name}'; expected one of {', '.join(known)}, "
-            "or the path of a robot file (.yaml)"
+            f"or the path of a robot file (.yaml){did_you_mean(name, known)}"
         )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tsd_casadi.exceptions.base import TsdError
+from tsd_casadi.exceptions.did_you_mean import did_you_mean
 
 
 class InvalidValue(TsdError, ValueError):
@@ -45,7 +46,8 @@ class UnknownField(TsdError, KeyError):
         """Create the error for one name."""
         self.name = name
         self.known = list(known)
-        super().__init__(f"no field '{name}'; there are {', '.join(known)}")
+        close = did_you_mean(name, known)
+        super().__init__(f"no field '{name}'{close}; there are {', '.join(known)}")
 
     def __str__(self) -> str:
         """Message without the quotes that KeyError adds."""

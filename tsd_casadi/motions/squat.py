@@ -12,6 +12,7 @@ import math
 from dataclasses import dataclass
 
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.motions.likely_meant import likely_meant
 from tsd_casadi.motions.motion import Reference
 from tsd_casadi.motions.parameter import unit_of
 from tsd_casadi.robot.robot import Robot
@@ -69,9 +70,10 @@ class Squat:
             value = self.parameters[name]
             if low <= value <= high:
                 continue
-            expected = f"{low:g} to {high:g} {unit_of(self.name, name)} for {robot.name}"
-            if name == "amplitude" and low <= value / 100 <= high:
-                expected += f"; amplitudes are in metres: did you mean {value / 100:g} m?"
+            unit = unit_of(self.name, name)
+            expected = f"{low:g} to {high:g} {unit} for {robot.name}"
+            if unit == "m":
+                expected += likely_meant(value, low, high)
             raise InvalidValue(name, f"{value:g}", expected)
 
     def reference(self, elapsed: float) -> Reference:

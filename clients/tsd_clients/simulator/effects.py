@@ -6,6 +6,7 @@ from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
+from tsd_casadi.exceptions.did_you_mean import did_you_mean
 
 if TYPE_CHECKING:  # the help of the command line names the effects without loading a robot
     from tsd_casadi.robot.robot import Robot
@@ -28,7 +29,9 @@ def check_effects(robot: Robot, effects: Collection[str]) -> tuple[str, ...]:
     """
     unknown = [name for name in effects if name not in (*EFFECTS, "all")]
     if unknown:
-        raise InvalidValue("hardware", ", ".join(unknown), f"all, or any of {', '.join(EFFECTS)}")
+        close = did_you_mean(unknown[0], EFFECTS)
+        expected = f"all, or any of {', '.join(EFFECTS)}{close}"
+        raise InvalidValue("hardware", ", ".join(unknown), expected)
     if effects and robot.description.hardware is None:
         raise RobotFileError(
             robot.path, "hardware", "is missing", "its section, or no hardware effects"
