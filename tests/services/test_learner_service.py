@@ -25,7 +25,10 @@ from tsd_casadi.exceptions import (
     TsdError,
     TwoServices,
 )
-from tsd_casadi.learning.recording import Context, Recording, TaskKey
+from tsd_casadi.learning.entry_key import EntryKey
+from tsd_casadi.learning.instruction import Instruction
+from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.rules.by_name import find_rule
 from tsd_casadi.wire.endpoints import session_settings
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import feedforward_key, record_key, suggestion_key
@@ -42,7 +45,7 @@ def recording_of(amplitude: float, error: float = 0.01) -> Recording:
     phase = np.linspace(0, 2 * np.pi, 500, endpoint=False)
     feedback = -0.7 + amplitude * np.sin(phase) + 3 * amplitude**2 * np.cos(2 * phase)
     return Recording(
-        key=TaskKey.of(ROBOT, "squat", ("com.z",), {"amplitude": amplitude, "frequency": 0.25}),
+        key=EntryKey.of(ROBOT, "squat", ("com.z",), {"amplitude": amplitude, "frequency": 0.25}),
         basis=basis,
         applied=np.zeros((1, basis.L)),
         laps=[Lap(phase, feedback[None, :])] * 2,
@@ -246,7 +249,7 @@ def test_unknown_key_is_refused(raw_session: zenoh.Session) -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "task", "options"),
+    ("kind", "motion", "options"),
     [
         (EntryNotFound, "squat", {"amplitude": 0.043, "kind": "learned"}),
         (OutsideTrainedRange, "squat", {"amplitude": 0.5}),
@@ -260,13 +263,13 @@ def test_a_refusal_is_the_same_error_here_and_there(
     learner: RemoteLearner,
     database: Path,
     kind: type[TsdError],
-    task: str,
+    motion: str,
     options: dict[str, Any],
 ) -> None:
     with pytest.raises(kind) as there:
-        learner.query(task, robot=ROBOT, frequency=0.25, **options)
+        learner.query(motion, robot=ROBOT, frequency=0.25, **options)
     with Database(database) as local, pytest.raises(kind) as here:
-        local.query(task, robot=ROBOT, frequency=0.25, **options)
+        local.query(motion, robot=ROBOT, frequency=0.25, **options)
     assert type(there.value) is type(here.value) is kind
     assert str(there.value) == str(here.value)
 
@@ -294,10 +297,9 @@ def test_stable_learning_over_the_network_is_that_of_a_local_database(
                 applied=applied,
                 laps=[lap],
                 context=Context("abc", "def", {"P": [50.0], "D": [14.0]}, "test"),
-                rule="stable",
             )
-            there, _ = learner.record(made)
-            here, _ = database.record(made)
+            there, _ = learner.record(made, Instruction(find_rule("stable")))
+            here, _ = database.record(made, Instruction(find_rule("stable")))
             applied = here.served.weights
         asked = learner.query("squat", robot=ROBOT, amplitude=0.035, frequency=0.25)
     np.testing.assert_allclose(asked.weights, applied, rtol=0, atol=1e-12)

@@ -17,8 +17,9 @@ from tsd_casadi.exceptions import (
     TsdError,
 )
 from tsd_casadi.learning.entry import Entry
-from tsd_casadi.learning.recording import TaskKey
-from tsd_casadi.repetition.learn import record_of
+from tsd_casadi.learning.entry_key import EntryKey
+from tsd_casadi.learning.instruction import Instruction
+from tsd_casadi.repetition.record import record_of
 from tsd_casadi.tick.format import Status
 from tsd_clients import MujocoSimulator
 
@@ -118,7 +119,7 @@ def test_the_entry_holds_every_iteration_with_its_errors(
     for run, iteration in zip(learned.runs, entry.iterations, strict=True):
         assert iteration.errors == run.errors()
         np.testing.assert_array_equal(iteration.weights, run.feedforward.weights)
-    assert entry.key == TaskKey.of("hermes_lower", "squat", ("com.z",), AT)
+    assert entry.key == EntryKey.of("hermes_lower", "squat", ("com.z",), AT)
     assert entry.context.model == robot.fingerprint
     assert entry.context.formulation == f"{controller.format.layout_hash:016x}"
     # those of the learned axis, z
@@ -186,7 +187,7 @@ def test_the_rule_is_handed_on(
     simulator: MujocoSimulator, controller: Controller, database: Database
 ) -> None:
     learn(simulator, controller, [SQUAT], database, laps=2, rule="plain")
-    assert database.entries()[0].rule == "plain"
+    assert database.entries()[0].rule.name == "plain"
 
 
 def test_a_fallen_run_is_not_recorded(
@@ -202,7 +203,7 @@ def test_a_fallen_run_is_not_recorded(
 def test_a_fall_during_a_restart_keeps_what_was_learned(
     simulator: MujocoSimulator, controller: Controller, database: Database, learned: Learned
 ) -> None:
-    database.record(record_of(learned.runs[0], simulator, controller))
+    database.record(record_of(learned.runs[0], simulator.robot, controller))
     limp = Stub(controller, first=100, status=Status.OK, torque=0.0)
     with pytest.raises(SimulationError):
         learn(simulator, limp, [SQUAT], database, laps=2, restart=True)
@@ -228,18 +229,17 @@ def test_an_unsteady_run_is_not_recorded(
     run = learned.runs[0]
     unsteady = Run(**{**vars(run), "steady": False, "laps_run": 14})
     with pytest.raises(SimulationError, match=r"did not settle in 14 laps.*nothing was recorded"):
-        record_of(unsteady, simulator, controller)
+        record_of(unsteady, simulator.robot, controller)
 
 
 def test_a_recording_holds_the_steady_laps_and_the_applied_weights(
     simulator: MujocoSimulator, controller: Controller, learned: Learned
 ) -> None:
     run = learned.runs[1]
-    recording = record_of(run, simulator, controller, rule="plain", update=False, restart=True)
+    recording = record_of(run, simulator.robot, controller)
     assert recording.laps is run.laps
     np.testing.assert_array_equal(recording.applied, run.feedforward.weights)
     assert recording.errors == run.errors()
-    assert (recording.rule, recording.update, recording.restart) == ("plain", False, True)
 
 
 @pytest.mark.parametrize("iterations", [0, -1])
@@ -303,7 +303,7 @@ def test_a_run_whose_ticks_failed_is_not_learned_from(
     run = learned.runs[0]
     failed = Run(**{**vars(run), "failures": {"infeasible": run.ticks}})
     with pytest.raises(SimulationError):
-        record_of(failed, simulator, controller)
+        record_of(failed, simulator.robot, controller)
 
 
 class Scripted:
@@ -314,7 +314,7 @@ class Scripted:
         self.errors = iter(errors)
         self.contractions: tuple[Any, ...] = ("an account",)
         monkeypatch.setattr(MujocoSimulator, "run", self.run)
-        monkeypatch.setattr("tsd_casadi.repetition.learn.record_of", self.note)
+        monkeypatch.setattr("tsd_casadi.repetition.learn.record_of", lambda *_: None)
 
     def run(self, *_: Any, **__: Any) -> Any:
         error = next(self.errors)
@@ -324,13 +324,11 @@ class Scripted:
 
         return OfThisError()
 
-    def note(self, *_: Any, update: bool, **__: Any) -> Any:
-        self.updates.append(update)
-
-    def query(self, task: str, **_: Any) -> Any:
+    def query(self, motion: str, /, **_: Any) -> Any:
         raise EntryNotFound("nothing")
 
-    def record(self, recording: Any) -> Any:
+    def record(self, recording: Any, instruction: Instruction) -> Any:
+        self.updates.append(instruction.update)
         return self, []
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from tsd_casadi import Squat
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.motions.parameter import (
-    TASK_PARAMETERS,
+    MOTION_PARAMETERS,
     complete_parameters,
     default_parameters,
     unit_of,
@@ -18,7 +18,7 @@ POSITIVE = st.floats(1e-3, 1e5)
 
 def test_the_table_has_the_parameters_of_the_motions() -> None:
     squat = Squat(0.03, 0.25)
-    assert {item.name for item in TASK_PARAMETERS[squat.name]} == squat.parameters.keys()
+    assert {item.name for item in MOTION_PARAMETERS[squat.name]} == squat.parameters.keys()
     assert default_parameters(squat.name) == {"height": squat.height}
 
 

@@ -91,10 +91,10 @@ def _migrate(connection: sqlite3.Connection) -> None:
     for column, kind in ADDED.items():
         if column not in known:
             connection.execute(f"ALTER TABLE iteration ADD COLUMN {column} {kind}")
-    for identifier, task, text in connection.execute(
+    for identifier, motion, text in connection.execute(
         "SELECT id, task, parameters FROM entry"
     ).fetchall():
-        complete = {**default_parameters(task), **json.loads(text)}
+        complete = {**default_parameters(motion), **json.loads(text)}
         connection.execute(
             "UPDATE entry SET parameters = ? WHERE id = ?",
             (json.dumps(dict(sorted(complete.items()))), identifier),

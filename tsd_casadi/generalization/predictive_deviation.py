@@ -10,7 +10,7 @@ Gaussian Processes for Machine Learning, eqs. 5.10 to 5.12]:
     \sigma_{-i}^2 = \frac{1}{[K^{-1}]_{ii}}
 
 The process takes all weights for equally predictable. They are not: where a
-joint turns round, friction makes a step that moves with the task parameters.
+joint turns round, friction makes a step that moves with the parameters.
 So the standard deviation gets a scale over the phase, the RMS of the residuals
 of the feedforward in units of :math:`\sigma_{-i}`.
 """
@@ -18,7 +18,6 @@ of the feedforward in units of :math:`\sigma_{-i}`.
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import norm, t
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix, Vector
@@ -85,4 +84,6 @@ def student_factor(entries: int) -> float:
     Args:
         entries: Their number, at least two.
     """
+    from scipy.stats import norm, t  # takes half a second
+
     return float(t.ppf(norm.cdf(COVERED), entries - 1) / COVERED)

@@ -1,4 +1,4 @@
-"""Which repetition would teach most: the next task parameters to learn at."""
+"""Which repetition would teach most: the next parameters to learn at."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Suggestion:
     """Where to learn next.
 
     Attributes:
-        parameters: All task parameters, SI units.
+        parameters: All parameters of the motion, SI units.
         standard_deviation: How uncertain the feedforward is there, RMS over the
             lap and the axes [m/s^2]; None while there are too few entries to tell.
     """
@@ -44,7 +44,7 @@ class Suggestion:
 
 
 def suggest(
-    task: str,
+    motion: str,
     entries: Sequence[Entry],
     regressions: EntryRegressions,
     region: Region,
@@ -58,11 +58,11 @@ def suggest(
     comes first.
 
     Args:
-        task: Name of the motion.
-        entries: Entries of the task on one robot.
+        motion: Its name.
+        entries: Entries of the motion on one robot.
         regressions: Regressions over them.
         region: (low, high) of each parameter that may be chosen, SI units.
-        fixed: The other task parameters, SI units.
+        fixed: The other parameters, SI units.
 
     Returns:
         The place, with the predicted standard deviation there.
@@ -73,7 +73,7 @@ def suggest(
         EntryNotFound: If the entries do not fit together, or every place in the
             region has one.
     """
-    names, low, high = _ends(task, region, fixed)
+    names, low, high = _ends(motion, region, fixed)
     # repetitions that taught nothing count as well, not to be suggested for ever
     taken = _places(entries, names)
     taken = taken[np.all(_same(taken, low)[:, low == high], axis=1)]
@@ -82,7 +82,7 @@ def suggest(
     grid = grid[~is_taken]
     if len(grid) == 0:
         raise EntryNotFound("every place of that region has an entry; name a larger region")
-    deviations = _deviations(task, entries, regressions, names, grid)
+    deviations = _deviations(motion, entries, regressions, names, grid)
     inside = np.sum(((low - SAME <= taken) & (taken <= high + SAME)).all(axis=1))
     if deviations is not None and inside > 2 ** len(region):
         best = int(np.argmax(deviations))
@@ -97,7 +97,7 @@ def suggest(
 
 
 def _ends(
-    task: str, region: Region, fixed: Mapping[str, float]
+    motion: str, region: Region, fixed: Mapping[str, float]
 ) -> tuple[tuple[str, ...], Vector, Vector]:
     """Names, lowest and highest values of all parameters."""
     if not region:
@@ -110,7 +110,7 @@ def _ends(
                 f"the low value first, and no {name} beside it",
             )
     lows, highs = (
-        complete_parameters(task, {**fixed, **{name: ends[i] for name, ends in region.items()}})
+        complete_parameters(motion, {**fixed, **{name: ends[i] for name, ends in region.items()}})
         for i in (0, 1)
     )
     names = tuple(sorted(lows))
@@ -142,7 +142,7 @@ def _grid(low: Vector, high: Vector) -> Matrix:
 
 
 def _deviations(
-    task: str,
+    motion: str,
     entries: Sequence[Entry],
     regressions: EntryRegressions,
     names: tuple[str, ...],
@@ -156,7 +156,7 @@ def _deviations(
     same = [index for index, name in enumerate(names) if name not in varied]
     if not _same(grid, _places(learned[:1], names)[0])[:, same].all():
         return None  # the entries say nothing about another value of it
-    regression = regressions.over(task, learned)
+    regression = regressions.over(motion, learned)
     return regression.deviation(grid[:, [names.index(name) for name in regression.names]])
 
 

@@ -1,8 +1,8 @@
-r"""From task parameters to weights by Gaussian process regression [generalization].
+r"""From parameters of a motion to weights by Gaussian process regression [generalization].
 
 .. math:: F_{D_b}: \kappa \mapsto w
 
-One process over all task parameters that differ, shared by all weights: a
+One process over all parameters that differ, shared by all weights: a
 Matern 5/2 kernel with a length scale for each parameter, and a little noise. It is
 less smooth than the usual squared exponential, as friction's steps over the phase
 move with the parameters. Magnitude and length scales are fitted once per database
@@ -36,18 +36,18 @@ NOISE = 1e-4
 
 
 class WeightRegression:
-    """Gaussian process over some task parameters for all weights at once.
+    """Gaussian process over some parameters of a motion for all weights at once.
 
     Attributes:
-        task: Name of the motion.
-        names: Names of the task parameters, d of them.
+        motion: Its name.
+        names: Names of the parameters, d of them.
         low: Smallest learned value of each, (d,).
         high: Largest learned value of each, (d,).
     """
 
     def __init__(
         self,
-        task: str,
+        motion: str,
         names: Sequence[str],
         inputs: Matrix,
         weights: Sequence[Matrix],
@@ -56,8 +56,8 @@ class WeightRegression:
         """Fit hyperparameters.
 
         Args:
-            task: Name of the motion.
-            names: Names of the task parameters.
+            motion: Its name.
+            names: Names of the parameters.
             inputs: Learned values, (n, d), each parameter with two different
                 ones at least.
             weights: Learned weights, n times (k, L).
@@ -73,10 +73,10 @@ class WeightRegression:
         least = max(len(names) + 1, 2)
         if len(inputs) < least:
             raise EntryNotFound(
-                f"generalising over {' and '.join(names) or task} needs at least {least} "
+                f"generalising over {' and '.join(names) or motion} needs at least {least} "
                 f"learned entries beside the queried one, there are {len(inputs)}; learn more"
             )
-        self.task = task
+        self.motion = motion
         self.names = tuple(names)
         self.basis = basis
         self.low: Vector = inputs.min(axis=0)
@@ -147,7 +147,7 @@ class WeightRegression:
             for name, value, low, high in zip(self.names, values, self.low, self.high, strict=True):
                 if not low <= value <= high:
                     raise OutsideTrainedRange(
-                        name, float(value), float(low), float(high), unit_of(self.task, name)
+                        name, float(value), float(low), float(high), unit_of(self.motion, name)
                     )
         covariance = self._kernel(self._scale(values[None, :]), self._inputs)
         mean = self._mean + self._spread * (covariance @ self._coefficients)[0]

@@ -34,7 +34,7 @@ def find_loop(
 
     Args:
         axes: The learned axes.
-        parameters: Task parameters.
+        parameters: Of the motion, SI units.
         gains: Gains by field name.
 
     Returns:
@@ -58,7 +58,7 @@ def require_loop(
 
     Args:
         axes: The learned axes.
-        parameters: Task parameters.
+        parameters: Of the motion, SI units.
         gains: Gains by field name.
 
     Raises:

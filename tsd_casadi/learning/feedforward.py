@@ -25,7 +25,7 @@ class Feedforward:
         standard_deviations: Weights of its predictive standard deviation over
             the phase, (k, L) [m/s^2]; zero for a learned entry.
         kind: How it came about.
-        parameters: Task parameters it is meant for, SI units.
+        parameters: Of the motion that it is meant for, SI units.
         provenance: Where it comes from, plain data.
     """
 

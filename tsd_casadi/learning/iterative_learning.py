@@ -33,8 +33,8 @@ from tsd_casadi.encoding.harmonics import (
     to_harmonics,
     to_weights,
 )
-from tsd_casadi.encoding.laps import Lap, join_laps
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.learning.iteration import FittedRepetition
 from tsd_casadi.learning.learning_filter import LearningFilter, design_filter
 from tsd_casadi.learning.loop_response import estimate_response
 from tsd_casadi.learning.task_dynamics import shift_to_reference
@@ -48,37 +48,18 @@ POSITION_MEMORY = 3
 LARGEST_SHIFT = 0.5
 
 
-def update_weights(
-    applied: Matrix, laps: list[Lap], basis: PeriodicBasis, gain: float = 1.0
-) -> Matrix:
+def update_weights(applied: Matrix, feedback: Matrix, gain: float = 1.0) -> Matrix:
     """Weights for the next repetition by the paper's rule.
 
     Args:
         applied: Weights that the recorded repetition used, (k, L) [m/s^2].
-        laps: Steady laps of that repetition, with its feedback term.
-        basis: The basis of all weights.
+        feedback: What its feedback added in steady laps, fitted, (k, L) [m/s^2].
         gain: 1 is the paper's rule; smaller is more careful.
 
     Returns:
-        applied + gain * fitted, (k, L) [m/s^2].
+        applied + gain * feedback, (k, L) [m/s^2].
     """
-    phase, feedback = join_laps(laps)
-    return applied + gain * basis.fit(phase, feedback)
-
-
-@dataclass(frozen=True)
-class Trial:
-    """What one repetition showed.
-
-    Attributes:
-        weights: Feedforward in use, (k, L) [m/s^2].
-        error: Position error, fitted, (k, L) [m].
-        reference: Position reference, fitted, (k, L) [m].
-    """
-
-    weights: Matrix
-    error: Matrix
-    reference: Matrix
+    return np.asarray(applied + gain * feedback)
 
 
 @dataclass(frozen=True)
@@ -95,7 +76,7 @@ class StableUpdate:
 
 
 def update_stably(
-    trials: Sequence[Trial],
+    repetitions: Sequence[FittedRepetition],
     basis: PeriodicBasis,
     frequency: float,
     P: Sequence[float],
@@ -105,8 +86,7 @@ def update_stably(
     """Weights for the next repetition from all repetitions so far.
 
     Args:
-        trials: Repetitions of one motion at the same gains, the one to go on
-            from last.
+        repetitions: Of one motion at the same gains, the one to go on from last.
         basis: The basis of all weights.
         frequency: Laps per second [Hz].
         P: Stiffness of each axis, positive, (k,) [1/s^2].
@@ -117,10 +97,10 @@ def update_stably(
         The weights and the filters.
     """
     omega = angular_frequencies(basis, frequency)
-    recent = trials[-POSITION_MEMORY:]
+    recent = repetitions[-POSITION_MEMORY:]
     u, e = _harmonics_of(recent, basis)
-    x_ref = to_harmonics(basis, trials[-1].reference)
-    filters = design_filters(trials, basis, frequency, P, D)
+    x_ref = to_harmonics(basis, repetitions[-1].reference)
+    filters = design_filters(repetitions, basis, frequency, P, D)
     after = np.empty_like(u[-1])
     for axis, learning_filter in enumerate(filters):
         C = np.asarray(P[axis] + 1j * omega * D[axis], dtype=complex)
@@ -131,7 +111,7 @@ def update_stably(
 
 
 def design_filters(
-    trials: Sequence[Trial],
+    repetitions: Sequence[FittedRepetition],
     basis: PeriodicBasis,
     frequency: float,
     P: Sequence[float],
@@ -140,14 +120,14 @@ def design_filters(
     """The filter of each axis, from the response that some repetitions show.
 
     Args:
-        trials: As in ``update_stably``.
+        repetitions: As in ``update_stably``.
         basis: The basis of all weights.
         frequency: Laps per second [Hz].
         P: Stiffness of each axis, positive, (k,) [1/s^2].
         D: Damping of each axis, (k,) [1/s].
     """
     omega = angular_frequencies(basis, frequency)
-    u, e = _harmonics_of(trials, basis)
+    u, e = _harmonics_of(repetitions, basis)
     return tuple(
         design_filter(
             estimate_response(u[:, axis], e[:, axis], omega, P[axis], D[axis]),
@@ -172,11 +152,13 @@ def angular_frequencies(basis: PeriodicBasis, frequency: float) -> Vector:
     return np.asarray(2 * np.pi * frequency * np.arange(highest_harmonic(basis) + 1.0))
 
 
-def _harmonics_of(trials: Sequence[Trial], basis: PeriodicBasis) -> tuple[Harmonics, Harmonics]:
+def _harmonics_of(
+    repetitions: Sequence[FittedRepetition], basis: PeriodicBasis
+) -> tuple[Harmonics, Harmonics]:
     """Feedforward and error of some repetitions, (r, k, N + 1) each."""
     return (
-        np.array([to_harmonics(basis, trial.weights) for trial in trials]),
-        np.array([to_harmonics(basis, trial.error) for trial in trials]),
+        np.array([to_harmonics(basis, each.weights) for each in repetitions]),
+        np.array([to_harmonics(basis, each.error) for each in repetitions]),
     )
 
 

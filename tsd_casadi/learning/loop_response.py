@@ -28,7 +28,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares, minimize_scalar
 
 from tsd_casadi.encoding.harmonics import Harmonics
 from tsd_casadi.state import Vector
@@ -103,6 +102,8 @@ def estimate_response(
     """
     if len(feedforward) < 2:
         return LoopResponse()
+    from scipy.optimize import least_squares
+
     C = P + 1j * omega * D
     change_e = np.diff(errors, axis=0)
     change_a = np.diff(feedforward, axis=0) + C * change_e
@@ -129,6 +130,8 @@ def estimate_response(
 
 def _unexplained(change_a: Harmonics, change_e: Harmonics, omega: Vector) -> float:
     """Share of the changes that no gain, delay and spring explain, 0 to 1."""
+    from scipy.optimize import minimize_scalar
+
     power = float(np.linalg.norm(change_a))
     if power == 0.0:
         return 1.0

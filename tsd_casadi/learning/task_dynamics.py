@@ -19,7 +19,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import minimize
 
 from tsd_casadi.state import Matrix, Vector
 
@@ -77,6 +76,7 @@ def _covariance(magnitudes: Vector, by_position: Matrix, by_phase: Matrix) -> Ma
 
 def _fit_magnitudes(by_position: Matrix, by_phase: Matrix, a: Vector) -> Vector:
     """Magnitudes of g, p and noise at the largest posterior."""
+    from scipy.optimize import minimize
 
     def loss(logarithms: Vector) -> float:
         K = _covariance(np.exp(logarithms), by_position, by_phase)

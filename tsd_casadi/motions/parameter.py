@@ -1,4 +1,4 @@
-"""The parameters that tell repetitions of one task from another, with units.
+"""The parameters that tell one variation of a motion from another, with units.
 
 One table for the database, the messages and the learner service. A motion that
 is not in it, of somebody's own, may be learned all the same: its parameters are
@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.exceptions.did_you_mean import did_you_mean
 
 # of any parameter, in its SI unit
 LARGEST = 1e6
@@ -19,8 +20,8 @@ RESERVED = ("task", "robot", "kind", "extrapolate", "region")
 
 
 @dataclass(frozen=True)
-class TaskParameter:
-    """One parameter of a task.
+class Parameter:
+    """One parameter of a motion.
 
     Attributes:
         name: Its name.
@@ -40,65 +41,66 @@ class TaskParameter:
         return f"{self.name} [{self.unit}]{default}"
 
 
-TASK_PARAMETERS: dict[str, tuple[TaskParameter, ...]] = {
+MOTION_PARAMETERS: dict[str, tuple[Parameter, ...]] = {
     "squat": (
-        TaskParameter("amplitude", "m"),
-        TaskParameter("frequency", "Hz"),
-        TaskParameter("height", "m", default=0.0, positive=False),
+        Parameter("amplitude", "m"),
+        Parameter("frequency", "Hz"),
+        Parameter("height", "m", default=0.0, positive=False),
     ),
 }
 
 
-def unit_of(task: str, name: str) -> str:
-    """Unit of a parameter; empty for a task of somebody's own.
+def unit_of(motion: str, name: str) -> str:
+    """Unit of a parameter; empty for a motion of somebody's own.
 
     Args:
-        task: Name of the motion.
+        motion: Name of the motion.
         name: Name of the parameter.
     """
-    units = {known.name: known.unit for known in TASK_PARAMETERS.get(task, ())}
+    units = {known.name: known.unit for known in MOTION_PARAMETERS.get(motion, ())}
     return units.get(name, "")
 
 
-def default_parameters(task: str) -> dict[str, float]:
+def default_parameters(motion: str) -> dict[str, float]:
     """The parameters that need not be said, with what they are then.
 
     Args:
-        task: Name of the motion.
+        motion: Name of the motion.
     """
-    known = TASK_PARAMETERS.get(task, ())
+    known = MOTION_PARAMETERS.get(motion, ())
     return {item.name: item.default for item in known if item.default is not None}
 
 
-def complete_parameters(task: str, given: Mapping[str, float]) -> dict[str, float]:
-    """All parameters of a task, checked, those with a default filled in.
+def complete_parameters(motion: str, given: Mapping[str, float]) -> dict[str, float]:
+    """All parameters of a motion, checked, those with a default filled in.
 
     Args:
-        task: Name of the motion.
+        motion: Name of the motion.
         given: Parameters by name, SI units.
 
     Raises:
         InvalidValue: If one is missing, unknown, not finite or not positive.
     """
-    known = {item.name: item for item in TASK_PARAMETERS.get(task, ())}
+    known = {item.name: item for item in MOTION_PARAMETERS.get(motion, ())}
     for name, value in given.items():
         if name in RESERVED:
             raise InvalidValue(f"parameter '{name}'", f"{value:g}", "another name")
         if known and name not in known:
-            raise InvalidValue(f"parameter of the {task}", f"'{name}'", _listed(task))
+            expected = _listed(motion) + did_you_mean(name, known)
+            raise InvalidValue(f"parameter of the {motion}", f"'{name}'", expected)
         unit = f" in {known[name].unit}" if known else ""
         if not abs(value) < LARGEST:
             raise InvalidValue(name, value, f"a number{unit} below {LARGEST:g}")
         if known and known[name].positive and value <= 0:
             raise InvalidValue(name, value, f"a positive number{unit}")
-    complete = {**default_parameters(task), **given}
+    complete = {**default_parameters(motion), **given}
     missing = [name for name in known if name not in complete]
     if missing:
         raise InvalidValue(
-            f"the {task}", f"without {' and without '.join(missing)}", f"all of {_listed(task)}"
+            f"the {motion}", f"without {' and without '.join(missing)}", f"all of {_listed(motion)}"
         )
     return complete
 
 
-def _listed(task: str) -> str:
-    return "; ".join(item.describe() for item in TASK_PARAMETERS[task])
+def _listed(motion: str) -> str:
+    return "; ".join(item.describe() for item in MOTION_PARAMETERS[motion])

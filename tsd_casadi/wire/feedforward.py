@@ -21,25 +21,25 @@ class QuantityMessage(Document):
     unit: str
 
     @classmethod
-    def of(cls, task: str, name: str, value: float) -> QuantityMessage:
-        """Describe the value of a task parameter."""
-        return cls(value=value, unit=unit_of(task, name))
+    def of(cls, motion: str, name: str, value: float) -> QuantityMessage:
+        """Describe the value of a motion's parameter."""
+        return cls(value=value, unit=unit_of(motion, name))
 
 
-def plain_parameters(task: str, parameters: dict[str, QuantityMessage]) -> dict[str, float]:
-    """Task parameters in SI units.
+def plain_parameters(motion: str, parameters: dict[str, QuantityMessage]) -> dict[str, float]:
+    """Parameters of a motion in SI units.
 
     Args:
-        task: Name of the motion.
+        motion: Its name.
         parameters: With units.
 
     Raises:
         MalformedMessage: If a unit is not the parameter's.
     """
     for name, quantity in parameters.items():
-        if quantity.unit != unit_of(task, name):
+        if quantity.unit != unit_of(motion, name):
             raise MalformedMessage(
-                f"{name} of a {task} in '{quantity.unit}'", f"'{unit_of(task, name)}'"
+                f"{name} of a {motion} in '{quantity.unit}'", f"'{unit_of(motion, name)}'"
             )
     return {name: quantity.value for name, quantity in parameters.items()}
 
@@ -86,7 +86,7 @@ class FeedforwardMessage(Document):
         robot: Name of the robot.
         task: Name of the motion.
         axes: Names 'task.axis', k of them, world axes.
-        parameters: Task parameters with units.
+        parameters: Of the motion, with units.
         unit: Unit of weights and standard deviations.
         basis: The basis.
         weights: k rows of L numbers.
@@ -109,14 +109,14 @@ class FeedforwardMessage(Document):
     provenance: dict[str, Any]
 
     @classmethod
-    def of(cls, robot: str, task: str, feedforward: Feedforward) -> FeedforwardMessage:
+    def of(cls, robot: str, motion: str, feedforward: Feedforward) -> FeedforwardMessage:
         """Describe a feedforward."""
         return cls(
             robot=robot,
-            task=task,
+            task=motion,
             axes=feedforward.axes,
             parameters={
-                name: QuantityMessage.of(task, name, value)
+                name: QuantityMessage.of(motion, name, value)
                 for name, value in feedforward.parameters.items()
             },
             basis=BasisMessage.of(feedforward.basis),
@@ -136,6 +136,12 @@ class FeedforwardMessage(Document):
         deviations = to_matrix("standard_deviations", self.standard_deviations, shape)
         if (deviations < 0).any():
             raise MalformedMessage("a negative standard deviation", "none below zero")
+        entries, iteration = (self.provenance.get(name) for name in ("entries", "iteration"))
+        if not isinstance(entries, list) or type(iteration) is not int:
+            raise MalformedMessage(
+                f"provenance with entries {entries!r}, iteration {iteration!r}",
+                "a list of entries and the number of an iteration",
+            )
         return Feedforward(
             axes=self.axes,
             basis=self.basis.basis(),
