@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tsd_casadi import load_robot
+from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_clients import MujocoSimulator
 from tsd_experiments.demo.plan import Plan, file_name
@@ -101,8 +101,9 @@ def test_services_stop_when_a_run_fails(tmp_path: Path, monkeypatch: pytest.Monk
     assert all(service.process.poll() == 0 for service in started)
 
 
-def test_robot_that_cannot_do_the_squats_is_told_before_anything_starts(tmp_path: Path) -> None:
-    small = Path(__file__).parents[1] / "robots" / "mini_biped" / "mini_biped.yaml"
+def test_robot_that_cannot_do_the_squats_is_told_before_anything_starts(
+    mini_biped: Robot, tmp_path: Path
+) -> None:
     with pytest.raises(InvalidValue, match=r"amplitude is 0\.06, expected .* for mini_biped"):
-        run_demo(load_robot(small), tmp_path / "out")
+        run_demo(mini_biped, tmp_path / "out")
     assert not (tmp_path / "out").exists()
