@@ -20,7 +20,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import tsd_casadi.database.database_file
-from tsd_casadi.database.database import Database
+from tsd_casadi.database.database import Database, default_path
 from tsd_casadi.database.schema import APPLICATION_ID, SCHEMA, SCHEMA_VERSION
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
@@ -550,10 +550,26 @@ def test_one_robots_entries_are_not_generalised_for_another(database: Database) 
 # files
 
 
-def test_a_folder_is_made_for_a_new_file(tmp_path: Path) -> None:
-    with Database(tmp_path / "a" / "b" / "d.sqlite") as database:
-        database.record(recording())
-    assert (tmp_path / "a" / "b" / "d.sqlite").is_file()
+def test_a_mistyped_folder_is_refused_rather_than_made(tmp_path: Path) -> None:
+    with pytest.raises(DatabaseError, match=rf"there is no folder {tmp_path / 'a'}.*make that"):
+        Database(tmp_path / "a" / "d.sqlite")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_only_the_usual_folder_is_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "a" / "b"
+    monkeypatch.setattr("platformdirs.user_data_dir", lambda _: str(folder))
+    with Database(default_path()) as database:
+        assert database.path == folder / "feedforward.sqlite"
+
+
+def test_a_usual_folder_that_cannot_be_made_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setattr("platformdirs.user_data_dir", lambda _: str(tmp_path / "file" / "b"))
+    with pytest.raises(DatabaseError, match="there is no folder"):
+        Database(default_path())
 
 
 def test_an_empty_file_is_a_new_database(path: Path) -> None:

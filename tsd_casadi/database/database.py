@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 import platformdirs
@@ -24,8 +25,11 @@ from tsd_casadi.motions.parameter import complete_parameters
 
 
 def default_path() -> Path:
-    """The database in the user's data folder."""
-    return Path(platformdirs.user_data_dir("tsd_casadi")) / "feedforward.sqlite"
+    """The database in the user's data folder, which is made if there is none."""
+    folder = Path(platformdirs.user_data_dir("tsd_casadi"))
+    with suppress(OSError):  # opening the file says what is wrong
+        folder.mkdir(parents=True, exist_ok=True)
+    return folder / "feedforward.sqlite"
 
 
 class Database:

@@ -21,16 +21,21 @@ class DatabaseFile:
     """
 
     def __init__(self, path: Path) -> None:
-        """Open a file, or make one.
+        """Open a file, or make one in a folder that exists.
 
         Raises:
             DatabaseError: If it cannot be opened or is not one of ours.
         """
         self.path = path
+        if not path.parent.is_dir():
+            raise DatabaseError(
+                path,
+                f"cannot be opened (there is no folder {path.parent})",
+                "name a file in a folder you may write to, or make that one",
+            )
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
             self.connection = sqlite3.connect(path, isolation_level=None)
-        except (OSError, sqlite3.Error) as error:
+        except sqlite3.Error as error:
             raise DatabaseError(
                 path, f"cannot be opened ({error})", "name a file in a folder you may write to"
             ) from error
