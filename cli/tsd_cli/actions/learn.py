@@ -12,6 +12,8 @@ import typer
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue, TsdError
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.learning.rules.by_name import find_rule
+from tsd_casadi.learning.rules.rule import Rule
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.run import Run
@@ -28,7 +30,7 @@ from tsd_cli.actions.prepare import (
 )
 from tsd_cli.actions.region import describe_chosen, read_region
 from tsd_cli.interrupt import interruptible
-from tsd_cli.options.learning import FirstChoice, LearningOptions, PlaceOptions, RuleChoice
+from tsd_cli.options.learning import FirstChoice, LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
 from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
@@ -66,6 +68,7 @@ def learn_by_repetition(
     gains = chosen_gains(repetition)
     compensators = chosen_compensators(repetition, robot)
     simulator = make_simulator(body, robot)
+    rule = find_rule(learning.rule.value)
     if places.auto:
         for line in describe_chosen(places.region or ["amplitude"], region):
             typer.echo(f"note: {line}", err=True)
@@ -88,9 +91,9 @@ def learn_by_repetition(
             controller,
             learner=learner,
             iterations=learning.iterations,
-            patience=learning.patience_of_rule,
+            patience=rule.patience if learning.patience is None else learning.patience,
             restart=learning.restart,
-            rule=learning.rule.value,
+            rule=rule.name,
             laps=repetition.laps,
             gains=gains,
             compensators=compensators,
@@ -121,7 +124,7 @@ def learn_by_repetition(
             errors = [summary["rms_error_m"] for summary in story.summaries[before:]]
             story.places.append({**asdict(place), "rms_errors_m": errors})
     result = {"robot": robot.name, "task": wanted.name, **story.plain()}
-    put_out(result, output, lambda: story.show(wanted.name, learning.rule, places))
+    put_out(result, output, lambda: story.show(wanted.name, rule, places))
     if failure is not None:
         raise failure
 
@@ -153,12 +156,12 @@ class _Story:
             ],
         }
 
-    def show(self, motion: str, rule: RuleChoice, places: PlaceOptions) -> None:
+    def show(self, motion: str, rule: Rule, places: PlaceOptions) -> None:
         if places.auto:
             print_places(motion, self.places)
         else:
             print_runs(f"learning {motion}", self.summaries)
-        if rule is RuleChoice.STABLE:
+        if rule.is_by_harmonic:
             for at, contractions in self._learned:
                 print_contractions(motion, at.parameters, contractions)
 

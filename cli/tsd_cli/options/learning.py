@@ -8,9 +8,6 @@ from typing import Annotated
 
 import typer
 
-# iterations without progress after which stable learning has converged
-PATIENCE = 3
-
 
 class RuleChoice(StrEnum):
     """How learning goes on from one iteration to the next."""
@@ -58,7 +55,7 @@ class LearningOptions:
             metavar="N",
             min=1,
             help="Stop after so many iterations in a row without a smaller error. Default: "
-            f"{PATIENCE} with --rule stable, else never.",
+            "3 with --rule stable, else never.",
         ),
     ] = None
     first: Annotated[
@@ -70,13 +67,6 @@ class LearningOptions:
             "learner's regression, extrapolated if need be and dropped if it harms.",
         ),
     ] = FirstChoice.NONE
-
-    @property
-    def patience_of_rule(self) -> int | None:
-        """Iterations to wait for progress; None for ever."""
-        if self.patience is None and self.rule is RuleChoice.STABLE:
-            return PATIENCE
-        return self.patience
 
 
 @dataclass(frozen=True, kw_only=True)
