@@ -73,6 +73,10 @@ class Controller:
         if not self._context:
             raise MemoryError("no memory for the controller's context")
 
+    def __repr__(self) -> str:
+        """Name the robot and the size of its problem."""
+        return f"<Controller of {self.format.summary()}>"
+
     def __del__(self) -> None:
         """Give the context's memory back."""
         if getattr(self, "_context", None):

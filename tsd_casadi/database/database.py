@@ -56,6 +56,10 @@ class Database:
         self._file = DatabaseFile(self.path)
         self._rows = EntryRows(self._file)
 
+    def __repr__(self) -> str:
+        """Name the file."""
+        return f"<Database {self.path}>"
+
     def close(self) -> None:
         """Close the file."""
         self._file.close()

@@ -37,6 +37,16 @@ class Feedforward:
     parameters: dict[str, float] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        """Say along what, of which kind and for which parameters."""
+        kind = f"{self.kind}, iteration {self.iteration}" if self.iteration else self.kind
+        given = "".join(f" {name}={value:g}" for name, value in self.parameters.items())
+        largest = float(np.abs(self.weights).max(initial=0.0))
+        return (
+            f"<Feedforward along {', '.join(self.axes)}: {kind}{given}; weights up to "
+            f"{largest:.3g} m/s^2>"
+        )
+
     @classmethod
     def zero(cls, axes: tuple[str, ...], basis: PeriodicBasis) -> Feedforward:
         """No feedforward."""

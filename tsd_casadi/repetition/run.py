@@ -45,6 +45,22 @@ class Run:
     fell: bool
     failures: dict[str, int]
 
+    def __repr__(self) -> str:
+        """Say what was done, with what, and how well."""
+        feedforward = self.feedforward
+        kind, number = feedforward.kind, feedforward.iteration
+        with_what = f"{kind}, iteration {number}" if number else kind
+        what = "".join(f" {name}={value:g}" for name, value in self.motion.parameters.items())
+        if self.fell:
+            outcome = f"fell after {self.ticks} ticks"
+        else:
+            outcome = f"RMS error {1e3 * self.rms_error:.4f} mm" + (
+                "" if self.steady else ", never steady"
+            )
+        return (
+            f"<Run of {self.robot}: {self.motion.name}{what}; feedforward {with_what}; {outcome}>"
+        )
+
     @property
     def ticks(self) -> int:
         """Number of control ticks."""

@@ -59,6 +59,12 @@ class Robot:
         self._check_postures()
         self._check_mobility()
 
+    def __repr__(self) -> str:
+        """Name the robot and what it has."""
+        parts = (self.description.contacts, self.description.tasks)
+        contacts, tasks = (", ".join(part.name for part in each) for each in parts)
+        return f"<Robot {self.name}: {self.n} joints; contacts {contacts}; tasks {tasks}>"
+
     @property
     def n(self) -> int:
         """Number of actuated joints."""

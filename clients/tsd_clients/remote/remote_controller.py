@@ -84,6 +84,11 @@ class RemoteController:
             self.close()
             raise
 
+    def __repr__(self) -> str:
+        """Name robot, endpoints and the instance that is believed."""
+        at = ", ".join(self._session.endpoints)
+        return f"<RemoteController of {self._robot} at {at}: instance {self._instance}>"
+
     def __enter__(self) -> RemoteController:
         """Use as a context manager."""
         return self

@@ -41,6 +41,10 @@ class RemoteLearner:
             self.close()
             raise
 
+    def __repr__(self) -> str:
+        """Name the endpoints."""
+        return f"<RemoteLearner at {', '.join(self._session.endpoints)}>"
+
     def __enter__(self) -> RemoteLearner:
         """Use as a context manager."""
         return self

@@ -91,6 +91,15 @@ class MujocoSimulator:
         self.model_error = model_error
         self.state_map = state_map
 
+    def __repr__(self) -> str:
+        """Name the robot and how the simulated one differs from it."""
+        error = self.model_error
+        effects = ", ".join(self.hardware) or "none"
+        return (
+            f"<MujocoSimulator of {self.robot.name}: model error {error.uniform:g}, by link "
+            f"{error.per_link:g}; hardware {effects}>"
+        )
+
     def start(self, posture: State, seed: int = 0) -> State:
         """Put a posture's joints off by a little, the soles on the ground on average."""
         rng = np.random.default_rng(seed)
