@@ -13,7 +13,6 @@ import zenoh
 
 import tsd_casadi as tsd
 from tsd_casadi.exceptions import InvalidValue, ServiceNotReady, ServiceUnreachable, TwoServices
-from tsd_casadi.wire.endpoints import session_settings
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import info_key, tick_key
 from tsd_casadi.wire.tick_message import HEADER, REPLY, REQUEST, pack_tick, unpack_tick
@@ -35,16 +34,6 @@ def endpoint(controller: tsd.Controller) -> Iterator[str]:
 def remote(robot: tsd.Robot, endpoint: str) -> Iterator[RemoteController]:
     with RemoteController(robot.name, [endpoint]) as remote:
         yield remote
-
-
-@pytest.fixture
-def raw_session(endpoint: str) -> Iterator[zenoh.Session]:
-    config = zenoh.Config()
-    for key, value in session_settings(connect=[endpoint]).items():
-        config.insert_json5(key, value)
-    with zenoh.open(config) as session:
-        time.sleep(0.5)
-        yield session
 
 
 def send(session: zenoh.Session, robot: str, payload: bytes | None) -> zenoh.Reply:
@@ -167,6 +156,8 @@ def test_silent_controller_is_reported_within_seconds(robot: tsd.Robot) -> None:
     ):
         remote.tick(robot.home, remote.command())
         service.process.send_signal(signal.SIGSTOP)
+        # all of its threads; the signal alone is only under way
+        os.waitid(os.P_PID, service.process.pid, os.WSTOPPED)
         start = time.monotonic()
         try:
             with pytest.raises(ServiceUnreachable, match="tsd controller"):

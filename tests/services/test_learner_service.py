@@ -29,7 +29,6 @@ from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.instruction import Instruction
 from tsd_casadi.learning.recording import Context, Recording
 from tsd_casadi.learning.rules.by_name import find_rule
-from tsd_casadi.wire.endpoints import session_settings
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import feedforward_key, record_key, suggestion_key
 from tsd_casadi.wire.learner import RecordMessage
@@ -73,16 +72,6 @@ def endpoint(database: Path) -> Iterator[str]:
 def learner(endpoint: str) -> Iterator[RemoteLearner]:
     with RemoteLearner([endpoint]) as learner:
         yield learner
-
-
-@pytest.fixture
-def raw_session(endpoint: str) -> Iterator[zenoh.Session]:
-    config = zenoh.Config()
-    for key, value in session_settings(connect=[endpoint]).items():
-        config.insert_json5(key, value)
-    with zenoh.open(config) as session:
-        time.sleep(0.5)
-        yield session
 
 
 def ask(session: zenoh.Session, selector: str, payload: bytes | None = None) -> zenoh.Reply:
@@ -256,7 +245,7 @@ def test_unknown_key_is_refused(raw_session: zenoh.Session) -> None:
         (InvalidValue, "squat", {"amplitude": -0.05}),
         (InvalidValue, "squat", {}),
         (InvalidValue, "squat", {"amplitude": 0.05, "nonsense": 1.0}),
-        (InvalidValue, "somersault", {"amplitude": 0.05}),
+        (EntryNotFound, "somersault", {"amplitude": 0.05}),
     ],
 )
 def test_a_refusal_is_the_same_error_here_and_there(

@@ -48,11 +48,6 @@ class Stub:
         return tick
 
 
-@pytest.fixture(scope="module")
-def simulator(robot: Robot) -> MujocoSimulator:
-    return MujocoSimulator(robot, model_error=0.1)
-
-
 class Learned:
     """Two iterations, learned once for all tests that only look."""
 

@@ -75,11 +75,6 @@ def limp(controller: Controller) -> Stub:
 
 
 @pytest.fixture(scope="module")
-def simulator(robot: Robot) -> MujocoSimulator:
-    return MujocoSimulator(robot, model_error=0.1)
-
-
-@pytest.fixture(scope="module")
 def a_feedforward() -> Feedforward:
     basis = PeriodicBasis()
     phase = np.linspace(0, 2 * np.pi, 200, endpoint=False)
