@@ -6,13 +6,13 @@ import mujoco
 import numpy as np
 import pinocchio
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import null_space
 
 from tsd_casadi import Robot, State
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
-from tsd_casadi.robot.robot_file import HardwareFile
+from tsd_casadi.robot.robot_file_sections import HardwareFile
 from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.effects import (
     ACTUATOR_EFFECTS,
@@ -93,7 +93,6 @@ def test_step_response_is_that_of_delay_and_first_order_lag(
         np.testing.assert_allclose(actuators.apply(high), low + rise * (high - low), atol=1e-12)
 
 
-@settings(max_examples=60)
 @given(torques=st.lists(st.floats(-300, 300), min_size=1, max_size=30))
 def test_torques_are_applied_as_they_are_without_an_effect(torques: list[float]) -> None:
     actuators = Actuators(NUMBERS, [], DT)
@@ -101,7 +100,6 @@ def test_torques_are_applied_as_they_are_without_an_effect(torques: list[float])
         assert actuators.apply(np.array([torque])) == [torque]
 
 
-@settings(max_examples=60)
 @given(torques=st.lists(st.floats(-300, 300), min_size=1, max_size=30))
 def test_the_applied_torque_never_leaves_the_range_of_the_commands(torques: list[float]) -> None:
     actuators = Actuators(NUMBERS, EFFECTS, DT)
@@ -126,7 +124,6 @@ def test_encoders_without_an_effect_tell_the_truth() -> None:
     np.testing.assert_array_equal(measured, (angles, velocities))
 
 
-@settings(max_examples=100)
 @given(angle=st.floats(-3.0, 3.0))
 def test_angles_come_in_steps_and_are_the_nearest_one(angle: float) -> None:
     (measured,), (velocity,) = encoders("quantisation").measure(np.array([angle]), np.array([0.5]))

@@ -9,7 +9,8 @@ import pytest
 
 from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import RobotFileError
-from tsd_casadi.robot.robot_file import HardwareFile, read_robot_file
+from tsd_casadi.robot.robot_file import read_robot_file
+from tsd_casadi.robot.robot_file_sections import HardwareFile
 
 Edit = Callable[[Any], object]
 WriteRobot = Callable[..., Path]

@@ -19,7 +19,7 @@ import pinocchio
 from scipy.linalg.lapack import dposv
 
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file import HardwareFile
+from tsd_casadi.robot.robot_file_sections import HardwareFile
 from tsd_casadi.state import State, Vector
 
 

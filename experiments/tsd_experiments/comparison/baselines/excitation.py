@@ -20,7 +20,7 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
-from tsd_casadi.robot.robot_file import FRAME_AXES
+from tsd_casadi.robot.robot_file_sections import FRAME_AXES
 from tsd_casadi.state import Vector
 
 ANGLE = 0.08  # A_w [rad]
