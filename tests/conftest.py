@@ -27,7 +27,7 @@ ROBOTS = {**tsd_models.robot_files(), "mini_biped": MINI_BIPED}
 
 # the same examples at every run
 settings.register_profile(
-    "quick", max_examples=60, deadline=None, derandomize=True, database=None, print_blob=True
+    "quick", max_examples=100, deadline=None, derandomize=True, database=None, print_blob=True
 )
 # others at every run, and many of them
 settings.register_profile(

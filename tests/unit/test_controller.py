@@ -402,7 +402,7 @@ def accepted_requests(draw: st.DrawFn, controller: Controller) -> Command:
     return command
 
 
-@settings(max_examples=400)
+@settings(max_examples=settings.default.max_examples * 4)
 @given(data=st.data())
 def test_whatever_is_accepted_is_answered_with_finite_numbers(
     controller: Controller, data: st.DataObject
@@ -417,7 +417,6 @@ def test_whatever_is_accepted_is_answered_with_finite_numbers(
         assert not any(wrench.any() for wrench in tick.wrenches.values())
 
 
-@settings(max_examples=100)
 @given(seed=st.integers(0, 10_000))
 def test_many_absurd_numbers_at_once_are_survived(controller: Controller, seed: int) -> None:
     rng, layout = np.random.default_rng(seed), controller.format.request

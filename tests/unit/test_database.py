@@ -163,7 +163,7 @@ NAMES = st.text(min_size=1, max_size=20).filter(lambda text: "\x00" not in text)
 PARAMETERS = NAMES.filter(lambda name: name not in RESERVED)
 
 
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 3)
 @given(data=st.data())
 def test_any_entry_comes_back_bit_for_bit(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject

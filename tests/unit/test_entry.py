@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tsd_casadi.encoding.laps import Lap
@@ -196,7 +196,6 @@ def test_repeating_an_iteration_replaces_its_errors() -> None:
     assert entry.iterations[1].error == 0.5e-3
 
 
-@settings(max_examples=60)
 @given(st.lists(st.floats(1e-6, 1e-1), min_size=1, max_size=10))
 def test_served_is_untested_or_the_best_whatever_the_errors(errors: list[float]) -> None:
     entry = entry_after(*errors)

@@ -39,14 +39,14 @@ def test_harmonics_are_those_of_the_fourier_series() -> None:
     np.testing.assert_allclose(analyze(signal[None, :], 6)[0], expected, atol=1e-14)
 
 
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 3)
 @given(seed=st.integers(0, 1000), highest=st.integers(1, SAMPLES // 2 - 1))
 def test_signals_come_back_from_their_harmonics(seed: int, highest: int) -> None:
     harmonics = random_harmonics(seed, highest)
     np.testing.assert_allclose(analyze(synthesize(harmonics), highest), harmonics, atol=1e-12)
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(seed=st.integers(0, 1000))
 def test_harmonics_of_weights_are_integrals_over_the_lap(seed: int) -> None:
     weights = np.random.default_rng(seed).normal(size=(2, BASIS.L))
@@ -56,7 +56,7 @@ def test_harmonics_of_weights_are_integrals_over_the_lap(seed: int) -> None:
     np.testing.assert_allclose(to_harmonics(BASIS, weights), np.transpose(integrals), atol=1e-12)
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(seed=st.integers(0, 1000), centers=st.integers(0, 24))
 def test_moving_the_weights_turns_the_harmonics(seed: int, centers: int) -> None:
     weights = np.random.default_rng(seed).normal(size=(1, BASIS.L))
@@ -68,7 +68,7 @@ def test_moving_the_weights_turns_the_harmonics(seed: int, centers: int) -> None
     )
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(seed=st.integers(0, 1000))
 def test_weights_keep_each_harmonic_apart_and_the_low_ones_whole(seed: int) -> None:
     harmonics = random_harmonics(seed)

@@ -87,7 +87,7 @@ def test_no_feedback_leaves_the_weights_alone() -> None:
     np.testing.assert_allclose(update(applied, [lap_of(np.zeros(200))]), applied, atol=1e-15)
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(seed=st.integers(0, 100), gain=st.floats(0.0, 1.0))
 def test_update_adds_gain_times_what_was_fitted(seed: int, gain: float) -> None:
     applied, added = random_weights(seed, 2), random_weights(seed + 1000, 2)
@@ -95,7 +95,7 @@ def test_update_adds_gain_times_what_was_fitted(seed: int, gain: float) -> None:
     np.testing.assert_allclose(update(applied, laps, gain), applied + gain * added, atol=1e-6)
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(seed=st.integers(0, 100), scale=st.floats(-5.0, 5.0))
 def test_update_is_linear_in_weights_and_feedback(seed: int, scale: float) -> None:
     rng = np.random.default_rng(seed)

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tsd_casadi.encoding.laps import (
@@ -101,7 +101,6 @@ def test_growing_oscillation_is_never_steady() -> None:
     assert first_steady_lap([lap(0.0, 1.1**index) for index in range(10)]) is None
 
 
-@settings(max_examples=60)
 @given(st.lists(st.sampled_from([1.0, 1.005, 2.0, 5.0]), max_size=8))
 def test_steady_laps_are_the_longest_agreeing_suffix(means: list[float]) -> None:
     first = first_steady_lap([lap(mean) for mean in means])

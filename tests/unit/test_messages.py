@@ -207,7 +207,7 @@ def test_info_says_where_each_field_lies(controller: Controller) -> None:
     assert set(document["statuses"]) == {"0", "1", "2", "3", "4"}
 
 
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 3)
 @given(seed=st.integers(0, 1000), size=st.integers(1, 30))
 def test_feedforward_is_exact_over_json(seed: int, size: int) -> None:
     feedforward = a_feedforward(seed, size)
@@ -222,7 +222,7 @@ def test_feedforward_is_exact_over_json(seed: int, size: int) -> None:
     )
 
 
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 3)
 @given(seed=st.integers(0, 1000))
 def test_a_recording_is_exact_over_json(seed: int) -> None:
     recording = a_recording(seed)
@@ -270,7 +270,7 @@ def test_error_message_carries_the_code() -> None:
 # what a client without this software has to work with
 
 
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 3)
 @given(seed=st.integers(0, 1000), phase=st.floats(-50, 50))
 def test_samples_rebuilt_from_the_json_alone_are_the_feedforward(seed: int, phase: float) -> None:
     feedforward = a_feedforward(seed)
@@ -429,7 +429,7 @@ def _unpack(message: Document) -> None:
 
 
 @pytest.mark.parametrize("kind", CLASSES)
-@settings(max_examples=40)
+@settings(max_examples=settings.default.max_examples // 2)
 @given(payload=st.binary(max_size=60))
 def test_arbitrary_bytes_are_refused_as_malformed(kind: type[Document], payload: bytes) -> None:
     with pytest.raises(MalformedMessage):
@@ -437,7 +437,7 @@ def test_arbitrary_bytes_are_refused_as_malformed(kind: type[Document], payload:
 
 
 @pytest.mark.parametrize("kind", CLASSES)
-@settings(max_examples=40)
+@settings(max_examples=settings.default.max_examples // 2)
 @given(document=PLAIN)
 def test_arbitrary_json_is_refused_as_malformed(kind: type[Document], document: Any) -> None:
     with pytest.raises(MalformedMessage):
@@ -454,7 +454,7 @@ WHERE: list[tuple[Document, str]] = [
 ]
 
 
-@settings(max_examples=300)
+@settings(max_examples=settings.default.max_examples * 3)
 @given(
     where=st.sampled_from(WHERE),
     value=PLAIN | st.lists(st.lists(st.floats(), max_size=26), max_size=3),
@@ -469,7 +469,7 @@ def test_an_arbitrary_value_anywhere_raises_nothing_else(
         assert str(error)
 
 
-@settings(max_examples=150)
+@settings(max_examples=settings.default.max_examples * 2)
 @given(where=st.integers(0, 3000), byte=st.integers(0, 255), cut=st.integers(0, 4000))
 def test_damaged_json_raises_nothing_else(where: int, byte: int, cut: int) -> None:
     payload = bytearray(RECORD.encode())

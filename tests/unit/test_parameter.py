@@ -30,7 +30,7 @@ def test_units(name: str, unit: str) -> None:
     assert unit_of("bow", name) == ""
 
 
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 3)
 @given(amplitude=POSITIVE, frequency=POSITIVE, height=st.floats(-1e5, 1e5))
 def test_what_makes_sense_is_taken_as_it_is(
     amplitude: float, frequency: float, height: float

@@ -70,7 +70,7 @@ def test_it_is_the_minimum() -> None:
         assert cost(x + 1e-4 * direction) > cost(x)
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(seed=st.integers(0, 2**31), size=st.floats(1e-2, 30.0))
 def test_bodies_stay_possible_whatever_the_data_say(seed: int, size: float) -> None:
     rng = np.random.default_rng(seed)

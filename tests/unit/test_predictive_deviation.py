@@ -19,7 +19,7 @@ from tsd_casadi.generalization.predictive_deviation import (
 BASIS = PeriodicBasis()
 
 
-@settings(max_examples=25)
+@settings(max_examples=settings.default.max_examples // 4)
 @given(seed=st.integers(0, 1000), n=st.integers(2, 12), noise=st.floats(1e-4, 1.0))
 def test_leave_one_out_is_what_leaving_out_gives(seed: int, n: int, noise: float) -> None:
     rng = np.random.default_rng(seed)
@@ -66,7 +66,7 @@ def test_axes_do_not_mix() -> None:
     np.testing.assert_allclose(both[1:], deviation_scale(BASIS, other))
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(factor=st.floats(1e-6, 1e6), seed=st.integers(0, 100))
 def test_scale_has_the_unit_of_the_residuals(factor: float, seed: int) -> None:
     residuals = np.random.default_rng(seed).normal(size=(5, 2, BASIS.L))

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tsd_casadi import Feedforward, PeriodicBasis, Squat
@@ -45,7 +45,6 @@ def run_of(errors: list[float], measured: list[bool] | None = None, **changes: A
     return Run(**{**values, **changes})
 
 
-@settings(max_examples=60)
 @given(errors=ERRORS)
 def test_measures_are_those_of_numpy(errors: list[float]) -> None:
     run, error = run_of(errors), np.array(errors)
@@ -56,7 +55,6 @@ def test_measures_are_those_of_numpy(errors: list[float]) -> None:
     assert run.mean_abs_feedback == pytest.approx(50 * np.mean(np.abs(error)))
 
 
-@settings(max_examples=60)
 @given(errors=ERRORS)
 def test_rms_squared_is_mean_squared_plus_ac_squared(errors: list[float]) -> None:
     run = run_of(errors)

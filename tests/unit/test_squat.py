@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import tsd_casadi as tsd
@@ -16,7 +16,6 @@ AMPLITUDES = st.floats(0.001, 0.08)
 FREQUENCIES = st.floats(0.05, 1.0)
 
 
-@settings(max_examples=100)
 @given(elapsed=ELAPSED, amplitude=AMPLITUDES, frequency=FREQUENCIES)
 def test_derivatives_agree_with_finite_differences(
     elapsed: float, amplitude: float, frequency: float
@@ -39,7 +38,6 @@ def test_starts_at_home_at_rest_without_a_jerk(frequency: float) -> None:
     assert (start.x, start.xd, start.xdd) == (0.0, 0.0, 0.0)
 
 
-@settings(max_examples=60)
 @given(boundary=st.sampled_from([0.0, math.pi]), amplitude=AMPLITUDES, frequency=FREQUENCIES)
 def test_no_jump_where_the_start_ends(boundary: float, amplitude: float, frequency: float) -> None:
     squat = Squat(amplitude, frequency)
@@ -50,13 +48,11 @@ def test_no_jump_where_the_start_ends(boundary: float, amplitude: float, frequen
     assert other.xdd == pytest.approx(one.xdd, abs=1e-7 * amplitude * omega**2)
 
 
-@settings(max_examples=60)
 @given(elapsed=st.floats(1e-3, math.pi - 1e-3), amplitude=AMPLITUDES)
 def test_first_motion_is_down(elapsed: float, amplitude: float) -> None:
     assert Squat(amplitude, 0.25).reference(elapsed).x < 0
 
 
-@settings(max_examples=60)
 @given(elapsed=st.floats(math.pi, 50.0), amplitude=AMPLITUDES, frequency=FREQUENCIES)
 def test_after_half_a_lap_it_is_a_sin_phase(
     elapsed: float, amplitude: float, frequency: float
@@ -75,7 +71,6 @@ def test_amplitude_is_half_of_peak_to_peak() -> None:
     assert max(heights) - min(heights) == pytest.approx(0.10, abs=1e-6)
 
 
-@settings(max_examples=60)
 @given(elapsed=ELAPSED, amplitude=AMPLITUDES)
 def test_never_leaves_the_amplitude(elapsed: float, amplitude: float) -> None:
     assert abs(Squat(amplitude, 0.25).reference(elapsed).x) <= amplitude

@@ -34,7 +34,7 @@ def turn(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.asarray((Rotation.from_quat(other).inv() * Rotation.from_quat(one)).as_rotvec())
 
 
-@settings(max_examples=25)
+@settings(max_examples=settings.default.max_examples // 4)
 @given(height=HEIGHTS)
 def test_soles_and_base_stay_and_the_centre_of_mass_rises_straight(height: float) -> None:
     state = stand(HERMES, height)
@@ -44,7 +44,7 @@ def test_soles_and_base_stay_and_the_centre_of_mass_rises_straight(height: float
     assert not state.v.any()
 
 
-@settings(max_examples=25)
+@settings(max_examples=settings.default.max_examples // 4)
 @given(height=HEIGHTS)
 def test_joints_stay_inside_their_limits(height: float) -> None:
     q = stand(HERMES, height).q[7:]
