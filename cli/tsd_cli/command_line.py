@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
 from typing import Annotated, NoReturn
 
 import typer
@@ -80,16 +81,21 @@ def _tsd(
     pass
 
 
-def run() -> None:
-    """Run the command line; an error is one message on stderr, not a traceback."""
+def run(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line; an error is one message on stderr, not a traceback.
+
+    Args:
+        arguments: Instead of those of the process.
+
+    Raises:
+        SystemExit: Always, with the exit code.
+    """
     # pictures are rendered by processes of their own; MuJoCo would look for a window's
     # library with a child in Python, which has its own opinion of Ctrl-C
     os.environ.setdefault("MUJOCO_GL", "disable")
     try:
-        app(prog_name="tsd")
-    except TsdError as error:
-        _fail(str(error))
-    except OSError as error:
+        app(arguments, prog_name="tsd")
+    except (TsdError, OSError) as error:
         _fail(str(error))
     except Exception as error:
         if os.environ.get(TRACEBACK):
