@@ -173,8 +173,8 @@ def test_several_motions_become_several_entries(
     assert [dict(entry.key.parameters)["amplitude"] for entry in database.entries()] == [0.01, 0.02]
     # another motion's entry is no reason to start with a feedforward
     assert [run.feedforward.kind for run in runs] == ["none", "learned"] * 2
-    generalised = database.query("squat", amplitude=0.015, frequency=1.0)
-    run = simulator.run(controller, Squat(0.015, 1.0), laps=2, feedforward=generalised)
+    generalized = database.query("squat", amplitude=0.015, frequency=1.0)
+    run = simulator.run(controller, Squat(0.015, 1.0), laps=2, feedforward=generalized)
     assert run.rms_error < 0.2 * runs[0].rms_error
 
 

@@ -19,8 +19,8 @@ def one_by_one(basis: PeriodicBasis, phase: float, weights: np.ndarray) -> float
     """Eqs. (basis_functions) and (psi) of the paper, written out."""
     above = below = 0.0
     for j in range(basis.L):
-        centre = 2 * math.pi * j / basis.L
-        bump = math.exp(basis.width * (math.cos(phase - centre) - 1))
+        center = 2 * math.pi * j / basis.L
+        bump = math.exp(basis.width * (math.cos(phase - center) - 1))
         above += float(weights[j]) * bump
         below += bump
     return above / below

@@ -27,7 +27,7 @@ from tsd_casadi.identification.physical_consistency import (
     PARAMETERS,
     Block,
     body,
-    minimise,
+    fit_consistent,
     pseudo_inertia,
     scalar,
 )
@@ -249,7 +249,7 @@ def _identify(robot: Robot, A: Matrix, b: Vector, closeness: float) -> Identifie
     prior = np.concatenate((nominal, np.full(coefficients, NOMINAL_FRICTION)))
     blocks: list[Block] = [body(PARAMETERS * i, closeness) for i in range(links)]
     blocks += [scalar(len(nominal) + i, FRICTION_CLOSENESS) for i in range(coefficients)]
-    x = minimise(A / TORQUE_NOISE, b / TORQUE_NOISE, prior, blocks)
+    x = fit_consistent(A / TORQUE_NOISE, b / TORQUE_NOISE, prior, blocks)
     parts = x[: len(nominal)].reshape(links, PARAMETERS)
     friction = np.zeros(2 * robot.n)
     friction[:coefficients] = x[len(nominal) :]

@@ -1,4 +1,4 @@
-r"""The learning update [x_fb_i-1], as in the paper and made stable.
+r"""The learning update, as in the paper and made stable [x_fb_i-1].
 
 .. math::
 

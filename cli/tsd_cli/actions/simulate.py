@@ -52,7 +52,7 @@ def simulate_once(
     gains = chosen_gains(repetition)
     compensators = chosen_compensators(repetition, robot)
     gate = FeedforwardGate()
-    if repetition.feedforward is FeedforwardChoice.GENERALISED:
+    if repetition.feedforward is FeedforwardChoice.GENERALIZED:
         compensators.append(gate)
     learned = _ask(repetition.feedforward, robot, wanted, services)
     simulator = make_simulator(body, robot)

@@ -21,7 +21,7 @@ class FirstChoice(StrEnum):
     """What a motion of which nothing is known starts with."""
 
     NONE = "none"
-    GENERALISED = "generalised"
+    GENERALIZED = "generalised"
 
 
 @dataclass(frozen=True, kw_only=True)

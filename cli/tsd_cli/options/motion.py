@@ -72,7 +72,7 @@ class FeedforwardChoice(StrEnum):
 
     NONE = "none"
     LEARNED = "learned"
-    GENERALISED = "generalised"
+    GENERALIZED = "generalised"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -35,7 +35,7 @@ WIDTH, HEIGHT = 480, 640
 # how long rendering may take: its start, and each picture
 PATIENCE, PATIENCE_PER_PICTURE = 60.0, 2.0  # s
 SHADOW = 1024  # pixels
-COLOURS = 128  # of a GIF
+COLORS = 128  # of a GIF
 PALETTE_STEP = 8  # frames between two of those that the colours are chosen from
 
 
@@ -108,7 +108,7 @@ def animate(frames: Pictures, seconds: float) -> bytes:
     from PIL import Image
 
     # one palette for all frames: otherwise what is at rest would flicker
-    palette = Image.fromarray(side_by_side(frames[::PALETTE_STEP])).quantize(COLOURS)
+    palette = Image.fromarray(side_by_side(frames[::PALETTE_STEP])).quantize(COLORS)
     first, *others = (
         Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
         for frame in frames
