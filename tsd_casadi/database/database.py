@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from contextlib import suppress
 from pathlib import Path
 
@@ -46,12 +47,12 @@ class Database:
         """Open a database file, or make one.
 
         Args:
-            path: The file.
+            path: A file in a folder that exists.
 
         Raises:
             DatabaseError: If it cannot be opened or is not one of ours.
         """
-        self.path = Path(path).expanduser()
+        self.path = Path(os.path.expanduser(path))  # leaves an unknown user's as it is
         self._regressions = EntryRegressions()
         self._file = DatabaseFile(self.path)
         self._rows = EntryRows(self._file)
@@ -73,7 +74,7 @@ class Database:
         self.close()
 
     def entries(self, robot: str | None = None, motion: str | None = None) -> list[Entry]:
-        """Entries, in the order of their identifiers.
+        """Read entries, in the order of their identifiers.
 
         Args:
             robot: Only of this robot.
@@ -88,7 +89,6 @@ class Database:
         """Take in one repetition and learn from it.
 
         Args:
-            recording: The repetition.
             instruction: By which rule, and whether to learn or to start again.
 
         Returns:
@@ -142,19 +142,16 @@ class Database:
         extrapolate: bool = False,
         **parameters: float,
     ) -> Feedforward:
-        """The feedforward for some parameters of a motion.
+        """Look up or generalise the feedforward for some parameters of a motion.
 
         Args:
-            motion: Its name.
-            robot: Name of the robot; may be left out while there is only one.
+            motion: Name of the motion, for instance 'squat'.
+            robot: May be left out while there is only one.
             kind: 'learned' for the exact entry, 'generalised' for a regression
                 over the other entries; by default the exact entry where there
                 is one.
             extrapolate: Generalise outside the learned range too.
             parameters: SI units; those with a default may be left out.
-
-        Returns:
-            The feedforward.
 
         Raises:
             InvalidValue: If a parameter is missing or makes no sense, or the
@@ -188,11 +185,11 @@ class Database:
         region: Region,
         **parameters: float,
     ) -> Suggestion:
-        """The parameters of a motion whose repetition would teach most.
+        """Choose the parameters of a motion whose repetition would teach most.
 
         Args:
-            motion: Its name.
-            robot: Name of the robot; may be left out while there is only one.
+            motion: Name of the motion, for instance 'squat'.
+            robot: May be left out while there is only one.
             region: (low, high) of each parameter that may be chosen, SI units.
             parameters: The others, SI units; those with a default may be left out.
 

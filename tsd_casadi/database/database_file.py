@@ -48,7 +48,8 @@ class DatabaseFile:
                 f"cannot be read ({error})",
                 "check permissions, free disk space and whether another process holds it",
             ) from error
-        except sqlite3.DatabaseError as error:
+        except (sqlite3.DatabaseError, ValueError, TypeError, RecursionError) as error:
+            # besides SQLite's own, text that is none and JSON of older files that is damaged
             self.close()
             raise DatabaseError(
                 path,
@@ -61,7 +62,7 @@ class DatabaseFile:
         self.connection.close()
 
     def execute(self, statement: str, values: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-        """All rows that a statement answers.
+        """Run a statement and read all rows that it answers.
 
         Args:
             statement: SQL with a placeholder for each value.
@@ -81,7 +82,7 @@ class DatabaseFile:
 
     @contextmanager
     def transaction(self, kind: str = "DEFERRED") -> Iterator[None]:
-        """All statements inside, or none of them.
+        """Keep all statements inside, or none of them.
 
         Args:
             kind: 'IMMEDIATE' keeps other writers out from the start.

@@ -22,20 +22,19 @@ SAMPLES = 256
 
 
 def sample_phases() -> Vector:
-    """The phases of sampled signals, (SAMPLES,) [rad]."""
+    """Compute the phases of sampled signals, (SAMPLES,) [rad]."""
     return 2 * np.pi * np.arange(SAMPLES) / SAMPLES
 
 
 def highest_harmonic(basis: PeriodicBasis) -> int:
-    """N, the number of harmonics that a basis holds, at least 1."""
+    """Compute N, the number of harmonics that a basis holds, at least 1."""
     return max(1, min((basis.L - 1) // 2, SAMPLES // 2 - 1))
 
 
 def to_harmonics(basis: PeriodicBasis, weights: Matrix) -> Harmonics:
-    """Harmonics of a signal.
+    """Compute the harmonics of a signal.
 
     Args:
-        basis: The basis.
         weights: (k, L).
 
     Returns:
@@ -45,10 +44,9 @@ def to_harmonics(basis: PeriodicBasis, weights: Matrix) -> Harmonics:
 
 
 def to_weights(basis: PeriodicBasis, harmonics: Harmonics) -> Matrix:
-    """Weights of the signal with these harmonics.
+    """Fit the weights of the signal with these harmonics.
 
     Args:
-        basis: The basis.
         harmonics: (k, N + 1).
 
     Returns:
@@ -58,7 +56,7 @@ def to_weights(basis: PeriodicBasis, harmonics: Harmonics) -> Matrix:
 
 
 def analyze(signals: Matrix, highest: int) -> Harmonics:
-    """Harmonics of sampled signals.
+    """Compute the harmonics of sampled signals.
 
     Args:
         signals: (k, SAMPLES).
@@ -71,7 +69,7 @@ def analyze(signals: Matrix, highest: int) -> Harmonics:
 
 
 def synthesize(harmonics: Harmonics) -> Matrix:
-    """Samples of the signals with these harmonics.
+    """Sample the signals with these harmonics.
 
     Args:
         harmonics: (k, N + 1).

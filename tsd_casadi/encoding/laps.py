@@ -49,7 +49,7 @@ class FittedLaps:
 
 
 def join_laps(laps: Sequence[Lap]) -> Lap:
-    """The samples of some laps as those of one.
+    """Put the samples of some laps together as those of one.
 
     Args:
         laps: At least one.
@@ -67,12 +67,7 @@ def join_laps(laps: Sequence[Lap]) -> Lap:
 
 
 def fit_laps(laps: Sequence[Lap], basis: PeriodicBasis) -> FittedLaps:
-    """Weights of everything that some laps recorded, in one fit.
-
-    Args:
-        laps: At least one.
-        basis: Of the weights.
-    """
+    """Fit everything that some laps recorded, at least one of them, at once."""
     joined = join_laps(laps)
     known = [joined.feedback, joined.error, joined.reference]
     signals = [signal for signal in known if signal is not None]
@@ -90,7 +85,7 @@ def _agree(one: Lap, other: Lap) -> bool:
 
 
 def first_steady_lap(laps: Sequence[Lap]) -> int | None:
-    """The first lap from which on every lap agrees with the next.
+    """Find the first lap from which on every lap agrees with the next.
 
     Args:
         laps: Whole laps in order.

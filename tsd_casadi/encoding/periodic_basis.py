@@ -47,7 +47,7 @@ class PeriodicBasis:
 
     @classmethod
     def of_size(cls, L: int) -> PeriodicBasis:
-        """The basis of L functions with the usual width 2.5 L."""
+        """Make the basis of L functions with the usual width 2.5 L."""
         return cls(L, WIDTH_PER_CENTER * L)
 
     @property
@@ -56,7 +56,7 @@ class PeriodicBasis:
         return 2 * np.pi * np.arange(self.L) / self.L
 
     def values(self, phase: ArrayLike) -> Matrix:
-        r"""Normalised functions :math:`\Gamma_j / \sum_i \Gamma_i`.
+        r"""Compute the normalised functions :math:`\Gamma_j / \sum_i \Gamma_i`.
 
         Args:
             phase: (N,) [rad], wrapped or not.
@@ -71,7 +71,7 @@ class PeriodicBasis:
         return np.asarray(gamma / gamma.sum(axis=1, keepdims=True))
 
     def evaluate(self, phase: ArrayLike, weights: ArrayLike) -> Matrix:
-        """The signals at some phases.
+        """Compute the signals at some phases.
 
         Args:
             phase: (N,) [rad].
@@ -83,7 +83,7 @@ class PeriodicBasis:
         return np.asarray(np.atleast_2d(weights) @ self.values(phase).T)
 
     def fit(self, phase: ArrayLike, signals: ArrayLike) -> Matrix:
-        """Weights by ridge least squares over all samples.
+        """Fit weights by ridge least squares over all samples.
 
         Args:
             phase: (N,) [rad].

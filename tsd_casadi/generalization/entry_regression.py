@@ -30,10 +30,9 @@ class EntryRegressions:
     def generalize(
         self, motion: str, entries: Sequence[Entry], wanted: dict[str, float], extrapolate: bool
     ) -> Feedforward:
-        """Weights for the wanted parameters from all entries but the exact one.
+        """Predict weights for the wanted parameters from all entries but the exact one.
 
         Args:
-            motion: Its name, for errors.
             entries: Entries of the motion on one robot.
             wanted: All parameters of the motion, SI units.
             extrapolate: Answer outside the learned range too.
@@ -91,10 +90,9 @@ class EntryRegressions:
         )
 
     def over(self, motion: str, entries: Sequence[Entry]) -> WeightRegression:
-        """The regression over all parameters in which some entries differ.
+        """Fit over all parameters in which some entries differ, unless that was done.
 
         Args:
-            motion: Its name.
             entries: Learned entries with the same names of parameters.
 
         Raises:
@@ -116,17 +114,12 @@ class EntryRegressions:
 
 
 def is_learned(entry: Entry, names: Collection[str]) -> bool:
-    """Whether an entry has these parameters and no others, and learned something.
-
-    Args:
-        entry: The entry.
-        names: Names of the parameters.
-    """
+    """Say whether an entry has these parameters and no others, and learned something."""
     return dict(entry.key.parameters).keys() == set(names) and entry.served.number > 0
 
 
 def varied_parameters(entries: Sequence[Entry]) -> tuple[str, ...]:
-    """Names of the parameters in which some entries differ.
+    """Name the parameters in which some entries differ.
 
     Args:
         entries: Entries with the same names of parameters.
@@ -148,11 +141,11 @@ def _check_same_basis(entries: Sequence[Entry]) -> None:
 
 
 def describe_motion(motion: str, parameters: Iterable[tuple[str, float]]) -> str:
-    """For people: 'squat amplitude=0.03 frequency=0.25'."""
+    """Tell people: 'squat amplitude=0.03 frequency=0.25'."""
     return " ".join([motion, *(f"{name}={value:g}" for name, value in parameters)])
 
 
 def describe_entries(entries: Iterable[Entry]) -> str:
-    """For people: the motions of some entries."""
+    """Tell people the motions of some entries."""
     listed = [describe_motion(entry.key.motion, entry.key.parameters) for entry in entries]
     return ", ".join(listed) or "nothing yet"

@@ -31,7 +31,7 @@ COVERED = 2.0
 
 
 def leave_one_out(covariance: Matrix, targets: Matrix) -> tuple[Matrix, Vector]:
-    """Residuals and standard deviations of each target predicted from the others.
+    """Predict each target from the others: residuals and standard deviations.
 
     Args:
         covariance: K, noise included, (n, n).
@@ -46,20 +46,15 @@ def leave_one_out(covariance: Matrix, targets: Matrix) -> tuple[Matrix, Vector]:
 
 
 def lap(basis: PeriodicBasis) -> Vector:
-    """Phases of a lap, dense for a basis, (N,) [rad].
-
-    Args:
-        basis: The basis.
-    """
+    """Sample the phases of a lap densely for a basis, (N,) [rad]."""
     count = SAMPLES * basis.L
     return np.asarray(2 * np.pi * np.arange(count) / count)
 
 
 def deviation_scale(basis: PeriodicBasis, residuals: Matrix) -> Matrix:
-    """What a standard deviation of one has to be multiplied with, over the phase.
+    """Compute what a standard deviation of one is multiplied with, over the phase.
 
     Args:
-        basis: The basis of the weights.
         residuals: Residuals of the weights in units of their predicted standard
             deviation, (n, k, L).
 
@@ -79,7 +74,7 @@ def deviation_scale(basis: PeriodicBasis, residuals: Matrix) -> Matrix:
 
 
 def student_factor(entries: int) -> float:
-    """By how much a standard deviation from few entries has to be larger.
+    """Compute by how much a standard deviation from few entries has to be larger.
 
     Args:
         entries: Their number, at least two.

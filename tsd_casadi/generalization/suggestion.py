@@ -50,7 +50,7 @@ def suggest(
     region: Region,
     fixed: Mapping[str, float],
 ) -> Suggestion:
-    """The most uncertain place of a region, on a grid that holds its corners.
+    """Find the most uncertain place of a region, on a grid that holds its corners.
 
     The hyperparameters of a handful of entries mean little. With fewer entries
     in the region than its middle and corners would be, the place is the one
@@ -58,9 +58,8 @@ def suggest(
     comes first.
 
     Args:
-        motion: Its name.
         entries: Entries of the motion on one robot.
-        regressions: Regressions over them.
+        regressions: Over such entries.
         region: (low, high) of each parameter that may be chosen, SI units.
         fixed: The other parameters, SI units.
 
@@ -99,7 +98,7 @@ def suggest(
 def _ends(
     motion: str, region: Region, fixed: Mapping[str, float]
 ) -> tuple[tuple[str, ...], Vector, Vector]:
-    """Names, lowest and highest values of all parameters."""
+    """Tell names, lowest and highest values of all parameters."""
     if not region:
         raise InvalidValue("the region", "empty", "(low, high) of at least one parameter")
     for name, (lowest, highest) in region.items():
@@ -121,7 +120,7 @@ def _ends(
 
 
 def _places(entries: Sequence[Entry], names: tuple[str, ...]) -> Matrix:
-    """Parameters of the entries that have all of these and no others, (t, D)."""
+    """Collect the parameters of the entries that have these and no others, (t, D)."""
     parameters = [dict(entry.key.parameters) for entry in entries]
     rows = [[each[name] for name in names] for each in parameters if each.keys() == set(names)]
     return np.array(rows).reshape(-1, len(names))
@@ -132,7 +131,7 @@ def _same(one: Matrix, other: Matrix) -> NDArray[np.bool_]:
 
 
 def _grid(low: Vector, high: Vector) -> Matrix:
-    """Candidates, (m, D)."""
+    """Lay out the candidates, (m, D)."""
     varied = int(np.count_nonzero(low < high))
     # an odd number, so that the middle is among them
     count = min(FINEST_GRID, int(MOST_CANDIDATES ** (1 / max(varied, 1))) // 2 * 2 + 1)
@@ -148,7 +147,7 @@ def _deviations(
     names: tuple[str, ...],
     grid: Matrix,
 ) -> Vector | None:
-    """Predicted standard deviation of each candidate, (m,); None if nobody can tell."""
+    """Predict the standard deviation of each candidate, (m,); None if nobody can tell."""
     learned = [entry for entry in entries if is_learned(entry, names)]
     varied = varied_parameters(learned)
     if len(learned) <= max(len(varied), 1):
@@ -161,7 +160,7 @@ def _deviations(
 
 
 def _farthest(grid: Matrix, taken: Matrix, low: Vector, high: Vector) -> int:
-    """The candidate farthest from all places taken; the middle if there are none."""
+    """Find the candidate farthest from all places taken; the middle if there are none."""
     span = np.where(low < high, high - low, 1.0)
     if len(taken) == 0:
         return int(np.argmin(np.linalg.norm((grid - (low + high) / 2) / span, axis=1)))

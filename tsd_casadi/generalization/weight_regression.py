@@ -39,7 +39,7 @@ class WeightRegression:
     """Gaussian process over some parameters of a motion for all weights at once.
 
     Attributes:
-        motion: Its name.
+        motion: Name of the motion.
         names: Names of the parameters, d of them.
         low: Smallest learned value of each, (d,).
         high: Largest learned value of each, (d,).
@@ -56,12 +56,9 @@ class WeightRegression:
         """Fit hyperparameters.
 
         Args:
-            motion: Its name.
-            names: Names of the parameters.
             inputs: Learned values, (n, d), each parameter with two different
                 ones at least.
             weights: Learned weights, n times (k, L).
-            basis: Their basis.
 
         Raises:
             EntryNotFound: If there are too few entries.
@@ -128,7 +125,7 @@ class WeightRegression:
     def predict(
         self, parameters: Mapping[str, float], *, extrapolate: bool = False
     ) -> tuple[Matrix, Matrix]:
-        """Weights for some values of the parameters.
+        """Predict weights for some values of the parameters.
 
         Args:
             parameters: The values by name; others than the regression's are
@@ -155,7 +152,7 @@ class WeightRegression:
         return mean.reshape(self._shape), deviation * self._deviation_scale
 
     def deviation(self, values: Matrix) -> Vector:
-        """How uncertain the feedforward is, also outside the learned range.
+        """Predict how uncertain the feedforward is, also outside the learned range.
 
         Args:
             values: Values of the parameters, (m, d).
@@ -168,14 +165,14 @@ class WeightRegression:
         return np.asarray(np.sqrt(np.mean(scale**2)) * self._unit_deviation(values))
 
     def _unit_deviation(self, values: Matrix) -> Vector:
-        """Standard deviation of a standardised weight, (m,)."""
+        """Predict the standard deviation of a standardised weight, (m,)."""
         points = self._scale(values)
         covariance = self._kernel(points, self._inputs)
         explained = np.einsum("ij,jk,ik->i", covariance, self._inverse, covariance)
         return np.asarray(np.sqrt(self._kernel.diag(points) - explained))
 
     def _scale(self, values: Matrix) -> Matrix:
-        """The learned range is [0, 1] for each parameter."""
+        """Map the learned range of each parameter to [0, 1]."""
         return np.asarray((values - self.low) / (self.high - self.low))
 
 

@@ -66,7 +66,7 @@ class Entry:
         return self.rule.served(self.iterations[-1], self.best)
 
     def feedforward(self) -> Feedforward:
-        """What a query is answered with."""
+        """Answer a query with what is served."""
         served = self.served
         provenance: dict[str, Any] = {
             "entries": [self.identifier],
@@ -130,7 +130,7 @@ class Entry:
         return notes
 
     def filters(self) -> tuple[LearningFilter, ...]:
-        """What the stable rule would learn with now, one filter per axis.
+        """Design what the stable rule would learn with now, one filter per axis.
 
         Empty while no iteration was tested with known position errors, or if
         nobody said at which frequency, P and D.
@@ -141,7 +141,7 @@ class Entry:
         return design_filters(repetitions, self.basis, *loop) if loop and repetitions else ()
 
     def observed_contractions(self, axis: int = 0) -> Matrix | None:
-        """What each test left of the feedback of the one that it was learned from.
+        """Compute what each test left of the feedback of the one that it was learned from.
 
         Args:
             axis: Index of the axis.
@@ -183,7 +183,7 @@ class Entry:
         return fitted.feedback
 
     def _tests(self, last: Iteration) -> list[Iteration]:
-        """Iterations tested at the newest gains, the one to go on from at the end."""
+        """List the iterations tested at the newest gains, the one to go on from at the end."""
         tested = [item for item in self.iterations if item.gains == self.context.gains]
         return [*(item for item in tested if item is not last), last]
 

@@ -30,6 +30,6 @@ class EntryKey:
         return cls(robot, motion, axes, rounded)
 
     def describe(self) -> str:
-        """For people: 'squat amplitude=0.03 frequency=0.25 on my_robot'."""
+        """Tell people: 'squat amplitude=0.03 frequency=0.25 on my_robot'."""
         values = " ".join(f"{name}={value:g}" for name, value in self.parameters)
         return f"{self.motion} {values} on {self.robot}"

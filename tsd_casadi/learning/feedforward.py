@@ -49,7 +49,7 @@ class Feedforward:
 
     @classmethod
     def zero(cls, axes: tuple[str, ...], basis: PeriodicBasis) -> Feedforward:
-        """No feedforward."""
+        """Feed nothing forward."""
         nothing = np.zeros((len(axes), basis.L))
         return cls(axes, basis, nothing, nothing, "none")
 
@@ -59,7 +59,7 @@ class Feedforward:
         return int(self.provenance.get("iteration", 0))
 
     def mean(self, phase: ArrayLike) -> Matrix:
-        """The feedforward term.
+        """Compute the feedforward term.
 
         Args:
             phase: (N,) [rad].
@@ -70,7 +70,7 @@ class Feedforward:
         return self.basis.evaluate(phase, self.weights)
 
     def std(self, phase: ArrayLike) -> Matrix:
-        """Its predictive standard deviation, in the basis of the mean.
+        """Compute its predictive standard deviation, in the basis of the mean.
 
         Args:
             phase: (N,) [rad].
@@ -81,7 +81,7 @@ class Feedforward:
         return self.basis.evaluate(phase, self.standard_deviations)
 
     def constant(self) -> Feedforward:
-        """Only its mean over a lap: what an integrator would settle at."""
+        """Keep only its mean over a lap, what an integrator would settle at."""
         # the basis sums to one, so equal weights are a constant signal
         phase = np.linspace(0, 2 * np.pi, 720, endpoint=False)
         mean = self.mean(phase).mean(axis=1, keepdims=True)

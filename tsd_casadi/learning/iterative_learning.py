@@ -49,7 +49,7 @@ LARGEST_SHIFT = 0.5
 
 
 def update_weights(applied: Matrix, feedback: Matrix, gain: float = 1.0) -> Matrix:
-    """Weights for the next repetition by the paper's rule.
+    """Compute weights for the next repetition by the paper's rule.
 
     Args:
         applied: Weights that the recorded repetition used, (k, L) [m/s^2].
@@ -83,11 +83,10 @@ def update_stably(
     D: Sequence[float],
     gain: float = 1.0,
 ) -> StableUpdate:
-    """Weights for the next repetition from all repetitions so far.
+    """Compute weights for the next repetition from all repetitions so far.
 
     Args:
         repetitions: Of one motion at the same gains, the one to go on from last.
-        basis: The basis of all weights.
         frequency: Laps per second [Hz].
         P: Stiffness of each axis, positive, (k,) [1/s^2].
         D: Damping of each axis, (k,) [1/s].
@@ -117,11 +116,10 @@ def design_filters(
     P: Sequence[float],
     D: Sequence[float],
 ) -> tuple[LearningFilter, ...]:
-    """The filter of each axis, from the response that some repetitions show.
+    """Design the filter of each axis for the response that some repetitions show.
 
     Args:
         repetitions: As in ``update_stably``.
-        basis: The basis of all weights.
         frequency: Laps per second [Hz].
         P: Stiffness of each axis, positive, (k,) [1/s^2].
         D: Damping of each axis, (k,) [1/s].
@@ -140,10 +138,9 @@ def design_filters(
 
 
 def angular_frequencies(basis: PeriodicBasis, frequency: float) -> Vector:
-    """Of the harmonics that a basis holds.
+    """Compute the angular frequencies of the harmonics that a basis holds.
 
     Args:
-        basis: The basis.
         frequency: Laps per second [Hz].
 
     Returns:
@@ -155,7 +152,7 @@ def angular_frequencies(basis: PeriodicBasis, frequency: float) -> Vector:
 def _harmonics_of(
     repetitions: Sequence[FittedRepetition], basis: PeriodicBasis
 ) -> tuple[Harmonics, Harmonics]:
-    """Feedforward and error of some repetitions, (r, k, N + 1) each."""
+    """Put feedforward and error of some repetitions together, (r, k, N + 1) each."""
     return (
         np.array([to_harmonics(basis, each.weights) for each in repetitions]),
         np.array([to_harmonics(basis, each.error) for each in repetitions]),
@@ -163,7 +160,7 @@ def _harmonics_of(
 
 
 def _shift(u: Harmonics, e: Harmonics, x_ref: Harmonics, C: Harmonics, omega: Vector) -> Harmonics:
-    """g(x_ref) - g(x) of the newest repetition, in harmonics."""
+    """Compute g(x_ref) - g(x) of the newest repetition, in harmonics."""
     accelerations = synthesize(u + C * e - omega**2 * e)
     errors = synthesize(e)
     reference = synthesize(x_ref[None, :])[0]

@@ -66,7 +66,7 @@ class LoopResponse:
     delay_deviation: float = PRIOR_DELAY_DEVIATION
 
     def transfer(self, omega: Vector, P: float, D: float) -> Harmonics:
-        """T at some angular frequencies.
+        """Compute T at some angular frequencies.
 
         Args:
             omega: (N + 1,) [rad/s].
@@ -129,7 +129,7 @@ def estimate_response(
 
 
 def _unexplained(change_a: Harmonics, change_e: Harmonics, omega: Vector) -> float:
-    """Share of the changes that no gain, delay and spring explain, 0 to 1."""
+    """Compute the share of the changes that no gain, delay and spring explain, 0 to 1."""
     from scipy.optimize import minimize_scalar
 
     power = float(np.linalg.norm(change_a))

@@ -21,16 +21,10 @@ SMALLEST_FEEDBACK = 2e-3  # m/s^2
 def observe_contractions(
     key: EntryKey, basis: PeriodicBasis, iterations: Sequence[Iteration], axis: int
 ) -> Matrix | None:
-    """Shares of the feedback that were left, from test to test at the same gains.
+    """Compute the shares of the feedback that were left, from test to test at the same gains.
 
     The feedback is C e of the position error where that is known, since the
     measured one lags.
-
-    Args:
-        key: Of the entry.
-        basis: Of all weights.
-        iterations: All of the entry.
-        axis: Index of the axis.
 
     Returns:
         By pair of tests and harmonic, (pairs, N + 1); NaN where the feedback
@@ -51,14 +45,7 @@ def observe_contractions(
 def last_observed(
     key: EntryKey, basis: PeriodicBasis, iterations: Sequence[Iteration], axis: int
 ) -> Vector:
-    """Of each harmonic the newest share that could be told, (N + 1,); NaN if none could.
-
-    Args:
-        key: Of the entry.
-        basis: Of all weights.
-        iterations: All of the entry.
-        axis: Index of the axis.
-    """
+    """Take of each harmonic the newest share that could be told, (N + 1,), or NaN."""
     observed = observe_contractions(key, basis, iterations, axis)
     last = np.full(highest_harmonic(basis) + 1, np.nan)
     for row in () if observed is None else observed:
@@ -69,7 +56,7 @@ def last_observed(
 def _feedback_harmonics(
     key: EntryKey, basis: PeriodicBasis, tests: tuple[Iteration, Iteration], axis: int
 ) -> list[Vector]:
-    """|C e| of two tests at the same gains; the measured feedback if errors are unknown."""
+    """Compute |C e| of two tests; that of the measured feedback if errors are unknown."""
     loop = find_loop(key.axes, dict(key.parameters), tests[0].gains)
     errors = [test.error_weights for test in tests if test.error_weights is not None]
     if loop is not None and len(errors) == len(tests):

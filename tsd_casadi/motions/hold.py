@@ -11,13 +11,7 @@ from tsd_casadi.tick.command import Command
 
 
 def hold(command: Command, robot: Robot, posture: State) -> None:
-    """Write a posture into a command: every task's reference and the joints'.
-
-    Args:
-        command: The command to change.
-        robot: Its robot.
-        posture: What to hold.
-    """
+    """Write a posture into a command: every task's reference and the joints'."""
     for task in robot.description.tasks:
         if isinstance(task, ComTaskFile):
             command[f"{task.name}.reference"] = robot.center_of_mass(posture.q)

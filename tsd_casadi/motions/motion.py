@@ -48,10 +48,10 @@ class Motion(Protocol):
         """What tells this motion from its variations, by name, SI units."""
 
     def task(self, robot: Robot) -> str:
-        """Name of the robot's task that carries the motion."""
+        """Name the robot's task that carries the motion."""
 
     def middle(self, robot: Robot) -> State:
-        """The posture that the motion is about, at rest."""
+        """Compute the posture that the motion is about, at rest."""
 
     def check(self, robot: Robot) -> None:
         """Refuse what this robot cannot do.
@@ -61,4 +61,4 @@ class Motion(Protocol):
         """
 
     def reference(self, elapsed: float) -> Reference:
-        """Reference after some phase since the start [rad]."""
+        """Compute the reference after some phase since the start [rad]."""

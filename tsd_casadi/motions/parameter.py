@@ -36,7 +36,7 @@ class Parameter:
     positive: bool = True
 
     def describe(self) -> str:
-        """For people: 'height [m], default 0'."""
+        """Tell people: 'height [m], default 0'."""
         default = "" if self.default is None else f", default {self.default:g}"
         return f"{self.name} [{self.unit}]{default}"
 
@@ -51,32 +51,22 @@ MOTION_PARAMETERS: dict[str, tuple[Parameter, ...]] = {
 
 
 def unit_of(motion: str, name: str) -> str:
-    """Unit of a parameter; empty for a motion of somebody's own.
-
-    Args:
-        motion: Name of the motion.
-        name: Name of the parameter.
-    """
+    """Find the unit of a parameter; empty for a motion of somebody's own."""
     units = {known.name: known.unit for known in MOTION_PARAMETERS.get(motion, ())}
     return units.get(name, "")
 
 
 def default_parameters(motion: str) -> dict[str, float]:
-    """The parameters that need not be said, with what they are then.
-
-    Args:
-        motion: Name of the motion.
-    """
+    """List the parameters that need not be said, with what they are then."""
     known = MOTION_PARAMETERS.get(motion, ())
     return {item.name: item.default for item in known if item.default is not None}
 
 
 def complete_parameters(motion: str, given: Mapping[str, float]) -> dict[str, float]:
-    """All parameters of a motion, checked, those with a default filled in.
+    """Check the parameters of a motion and fill in those with a default.
 
     Args:
-        motion: Name of the motion.
-        given: Parameters by name, SI units.
+        given: By name, SI units.
 
     Raises:
         InvalidValue: If one is missing, unknown, not finite or not positive.

@@ -48,11 +48,11 @@ class Squat:
         }
 
     def task(self, robot: Robot) -> str:
-        """The centre-of-mass task named in the robot file."""
+        """Name the centre-of-mass task that the robot file says."""
         return robot.description.motions.squat.task
 
     def middle(self, robot: Robot) -> State:
-        """The posture in the middle of the motion, at rest."""
+        """Compute the posture in the middle of the motion, at rest."""
         return stand(robot, self.height)
 
     def check(self, robot: Robot) -> None:
@@ -77,7 +77,7 @@ class Squat:
             raise InvalidValue(name, f"{value:g}", expected)
 
     def reference(self, elapsed: float) -> Reference:
-        """Reference after some phase since the start.
+        """Compute the reference after some phase since the start.
 
         Args:
             elapsed: phi - pi [rad], at least 0.
@@ -98,7 +98,7 @@ class Squat:
 
 
 def _smooth_step(x: float) -> tuple[float, float, float]:
-    """Quintic from 0 to 1 on [0, 1] with its two derivatives."""
+    """Compute the quintic from 0 to 1 on [0, 1] with its two derivatives."""
     if x >= 1:
         return 1.0, 0.0, 0.0
     return (

@@ -17,7 +17,7 @@ from tsd_casadi.tick.tick import Tick
 
 @dataclass(frozen=True)
 class Setting:
-    """What a run is about, told to each compensator at its start.
+    """What a repetition is about, told to each compensator at its start.
 
     Attributes:
         robot: The robot as the controller knows it.
@@ -42,7 +42,7 @@ class Moment:
     """One tick while it is being prepared and answered.
 
     Attributes:
-        time: Of the run [s].
+        time: Of the repetition [s].
         phase: phi [rad], not wrapped.
         lap: -1 while holding.
         state: As measured.
@@ -82,22 +82,10 @@ class Compensator:
     """
 
     def start(self, setting: Setting) -> None:
-        """Called once at the start of each run, before its first tick.
-
-        Args:
-            setting: What the run is about.
-        """
+        """Prepare for a repetition; called once, before its first tick."""
 
     def before(self, moment: Moment) -> None:
-        """Called before each tick.
-
-        Args:
-            moment: The tick, without its answer.
-        """
+        """Change what is asked; called before each tick."""
 
     def after(self, moment: Moment) -> None:
-        """Called after each tick, before its torque is applied.
-
-        Args:
-            moment: The tick with its answer.
-        """
+        """Change what is applied; called after each tick, before its torque is."""

@@ -1,4 +1,4 @@
-"""Learning by repetition: run, record, run again with what was learned."""
+"""Learning by repetition: move, record, move again with what was learned."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Simulator(Protocol):
         transport: str,
         progress: Progress | None,
     ) -> Run:
-        """One repetition, from standing still to steady laps."""
+        """Repeat once, from standing still to steady laps."""
 
 
 class Learned(Protocol):
@@ -70,7 +70,7 @@ class Learner(Protocol):
         extrapolate: bool = False,
         **parameters: float,
     ) -> Feedforward:
-        """The feedforward for some parameters of a motion."""
+        """Tell the feedforward for some parameters of a motion."""
 
     def record(self, recording: Recording, instruction: Instruction) -> tuple[Learned, list[str]]:
         """Take in one repetition, and learn from it as told."""
@@ -98,7 +98,7 @@ def learn(
 ) -> list[Run]:
     """Repeat each motion, learning from one repetition to the next.
 
-    N iterations are N + 1 runs: the last one only shows, and notes in the
+    N iterations are N + 1 repetitions: the last one only shows, and notes in the
     database, how well the newest feedforward does. An entry that exists is
     continued.
 
@@ -114,19 +114,19 @@ def learn(
             for instance that of an easier one; it is dropped if it harms.
         restart: Forget what was learned of each motion first.
         rule: How each entry goes on; see ``tsd_casadi.learning.rules``.
-        laps: Least number of laps of each run.
+        laps: Least number of laps of each repetition.
         gains: Factors on the learned task's gains.
         compensators: What else changes commands and torques.
         seed: Of the starting posture and the sensors' noise: one for all
-            repetitions, or one for each of a motion's N + 1 runs.
+            repetitions, or one for each of a motion's N + 1.
         transport: How the controller is reached, for the records.
-        progress: Gives the progress function of a run, from motion and number.
-        on_run: Called after each run with the learner's remarks.
+        progress: Gives the progress function of a repetition, from motion and number.
+        on_run: Called after each repetition with the learner's remarks.
         on_learned: Called after each motion with what iterations leave of its
             error.
 
     Returns:
-        All runs in order.
+        The run of every repetition, in order.
 
     Raises:
         InvalidValue: If iterations or patience is not at least 1, seeds are
@@ -189,7 +189,7 @@ def learn(
 
 
 def _has_converged(errors: list[float], patience: int | None) -> bool:
-    """Whether the last repetitions brought nothing beyond the best one before them."""
+    """Say whether the last repetitions brought nothing beyond the best one before."""
     if patience is None or len(errors) <= patience + 1:
         return False
     return min(errors[-patience:]) > (1 - WORTHWHILE) * min(errors[:-patience])

@@ -19,7 +19,7 @@ class Plant(Protocol):
         """True centre of mass of the last measurement, (3,) [m], world frame."""
 
     def measure(self) -> tuple[State, State]:
-        """The state now.
+        """Measure the state now.
 
         Returns:
             The true state, and the one that the sensors tell.

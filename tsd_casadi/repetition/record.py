@@ -18,12 +18,10 @@ def record_of(
     robot: Robot,
     controller: WholeBodyController,
 ) -> Recording:
-    """What a run leaves behind for learning: its steady laps.
+    """Record what a run leaves behind for learning: its steady laps.
 
     Args:
-        run: The run.
         robot: As its controller believes it.
-        controller: What controlled it.
 
     Raises:
         SimulationError: If it fell or never settled.
@@ -61,7 +59,7 @@ def record_of(
 
 
 def _learned_gains(run: Run, controller: WholeBodyController) -> dict[str, Any]:
-    """P and D of the learned axes, W of the whole task."""
+    """Pick P and D of the learned axes, W of the whole task."""
     components = [
         controller.format.component_index(*axis.split(".")) for axis in run.feedforward.axes
     ]

@@ -42,7 +42,7 @@ Progress = Callable[[float, float], None]
 
 
 class Repetition:
-    """One run while it is under way: hold, move in laps, finish."""
+    """One repetition while it is under way: hold, move in laps, finish."""
 
     def __init__(
         self,
@@ -54,7 +54,7 @@ class Repetition:
         gains: Gains,
         compensators: Sequence[Compensator],
     ) -> None:
-        """Prepare a run.
+        """Prepare a repetition.
 
         Args:
             robot: The robot as the controller knows it.
@@ -187,7 +187,7 @@ class Repetition:
         )
 
     def _feedforward_in_the_end(self) -> Feedforward:
-        """The one of the measured laps: none if the gate dropped it."""
+        """Tell the one of the measured laps, none if the gate dropped it."""
         feedforward = self._feedforward
         gates = [item for item in self._compensators if isinstance(item, FeedforwardGate)]
         if any(gate.dropped_at is not None for gate in gates):
@@ -270,7 +270,7 @@ class Repetition:
         moment.tau = np.clip(moment.tau, -limit, limit)
 
     def _write(self, moment: Moment) -> None:
-        """Reference, feedforward and compensators into the command."""
+        """Write reference, feedforward and compensators into the command."""
         component, reference = self._component, moment.reference
         np.add(self._middle, moment.shift, out=self._x)
         self._x[self._world_axis] += reference.x

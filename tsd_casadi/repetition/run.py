@@ -108,7 +108,7 @@ class Run:
         }
 
     def errors(self) -> dict[str, float]:
-        """The measures that a database entry keeps."""
+        """Compute the measures that a database entry keeps."""
         return {
             "rms_error_m": self.rms_error,
             "peak_error_m": self.peak_error,
@@ -118,7 +118,7 @@ class Run:
         }
 
     def summary(self) -> dict[str, Any]:
-        """Everything but the log, as plain data for JSON; null where nothing was measured."""
+        """Tell everything but the log, as plain data for JSON; null where nothing was measured."""
         parameters = self.motion.parameters
         return {
             "robot": self.robot,

@@ -34,7 +34,7 @@ def check_robot(robot: Robot) -> None:
 
 
 def _postures(robot: Robot) -> list[tuple[str, str, dict[str, float]]]:
-    """Name, field and joint angles of every posture of the file."""
+    """List name, field and joint angles of every posture of the file."""
     others = robot.description.postures.items()
     return [
         ("home", "home", robot.description.home),
@@ -114,7 +114,7 @@ def _check_flat_soles(robot: Robot) -> None:
 
 
 def _check_mobility(robot: Robot) -> None:
-    """The feet must be free to accelerate independently of each other."""
+    """Refuse feet that are not free to accelerate independently of each other."""
     model, q = robot.model, robot.home.q
     data = model.createData()
     rows = [

@@ -95,7 +95,7 @@ class Robot:
         return self._standing(self.description.home)
 
     def posture(self, name: str) -> State:
-        """A posture of the robot file at rest, soles flat on the ground plane z = 0.
+        """Compute a posture of the file at rest, soles flat on the ground plane z = 0.
 
         Args:
             name: 'home' or one of the file's ``postures``.
@@ -111,7 +111,7 @@ class Robot:
         return self._standing(postures[name])
 
     def center_of_mass(self, q: Vector) -> Vector:
-        """Centre of mass of a configuration, shape (3,) [m], world frame."""
+        """Compute the centre of mass of a configuration, shape (3,) [m], world frame."""
         return np.array(pinocchio.centerOfMass(self.model, self.model.createData(), q))
 
     @cached_property
@@ -120,7 +120,7 @@ class Robot:
         return self.center_of_mass(self.home.q)
 
     def sole_placements(self, q: Vector) -> list[Any]:
-        """Where the soles are.
+        """Compute where the soles are.
 
         Args:
             q: Configuration, shape (nq,).
@@ -139,7 +139,7 @@ class Robot:
         return [self.model.getFrameId(contact.frame) for contact in self.description.contacts]
 
     def put_on_ground(self, q: Vector) -> Vector:
-        """A configuration raised or lowered until its soles are at z = 0 on average.
+        """Raise or lower a configuration until its soles are at z = 0 on average.
 
         Args:
             q: Configuration, shape (nq,).
@@ -159,7 +159,7 @@ class Robot:
         return State(q=self.put_on_ground(q), v=np.zeros(self.nv))
 
     def frame_placement(self, frame: str, q: Vector) -> tuple[Vector, Vector]:
-        """Where a frame is.
+        """Compute where a frame is.
 
         Args:
             frame: Name of a frame of the URDF.

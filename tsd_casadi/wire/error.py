@@ -19,13 +19,13 @@ class ErrorMessage(Document):
 
     @classmethod
     def of(cls, error: TsdError) -> ErrorMessage:
-        """The message of an error."""
+        """Describe an error."""
         # a path may hold bytes that are no text
         message = str(error).encode(errors="replace").decode()
         return cls(code=error.code, message=message)
 
     def error(self) -> TsdError:
-        """The error of the same class that the library raises.
+        """Make the error of the same class that the library raises.
 
         Returns:
             An error whose ``str`` is the message. Its attributes with data are

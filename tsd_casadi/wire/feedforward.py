@@ -27,11 +27,7 @@ class QuantityMessage(Document):
 
 
 def plain_parameters(motion: str, parameters: dict[str, QuantityMessage]) -> dict[str, float]:
-    """Parameters of a motion in SI units.
-
-    Args:
-        motion: Its name.
-        parameters: With units.
+    """Check the units of a motion's parameters and drop them.
 
     Raises:
         MalformedMessage: If a unit is not the parameter's.
@@ -65,7 +61,7 @@ class BasisMessage(Document):
         return cls(L=basis.L, centres=tuple(basis.centers), width=basis.width)
 
     def basis(self) -> PeriodicBasis:
-        """The basis.
+        """Make the basis.
 
         Raises:
             MalformedMessage: If the centres are not 2 pi j / L.
@@ -127,7 +123,7 @@ class FeedforwardMessage(Document):
         )
 
     def feedforward(self) -> Feedforward:
-        """The feedforward.
+        """Make the feedforward.
 
         Raises:
             MalformedMessage: If shapes or units do not fit.

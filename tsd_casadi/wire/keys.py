@@ -25,42 +25,42 @@ _CHUNK = re.compile(r"[^/*$#?@][^/*$#?]*|\*")
 
 
 def tick_key(robot: str) -> str:
-    """Key of the tick."""
+    """Make the key of the tick."""
     return _key(robot, "controller/tick")
 
 
 def info_key(robot: str) -> str:
-    """Key of the controller's description."""
+    """Make the key of the controller's description."""
     return _key(robot, "controller/info")
 
 
 def feedforward_key(robot: str) -> str:
-    """Key of learned and generalised feedforward."""
+    """Make the key of learned and generalised feedforward."""
     return _key(robot, "learner/feedforward")
 
 
 def suggestion_key(robot: str) -> str:
-    """Key of the place to learn at next."""
+    """Make the key of the place to learn at next."""
     return _key(robot, "learner/suggestion")
 
 
 def record_key(robot: str) -> str:
-    """Key that takes recordings."""
+    """Make the key that takes recordings."""
     return _key(robot, "learner/record")
 
 
 def database_key(robot: str) -> str:
-    """Key of the list of entries."""
+    """Make the key of the list of entries."""
     return _key(robot, "learner/database")
 
 
 def alive_key(robot: str, role: str) -> str:
-    """Key of a service's liveliness token."""
+    """Make the key of a service's liveliness token."""
     return _key(robot, f"{role}/alive")
 
 
 def robot_of(key: str) -> str:
-    """The robot's chunk of a key.
+    """Find the robot's chunk of a key.
 
     Raises:
         MalformedMessage: If the key has none.

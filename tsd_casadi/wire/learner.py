@@ -47,7 +47,7 @@ class LapMessage(Document):
         )
 
     def lap(self, k: int) -> Lap:
-        """The lap.
+        """Make the lap.
 
         Args:
             k: Number of learned axes.
@@ -126,7 +126,7 @@ class RecordMessage(Document):
         )
 
     def recording(self, robot: str) -> Recording:
-        """The recording.
+        """Make the recording.
 
         Args:
             robot: Name of the robot, from the key.
@@ -147,7 +147,7 @@ class RecordMessage(Document):
         )
 
     def instruction(self) -> Instruction:
-        """What to do with the recording."""
+        """Make the order that came with the recording."""
         return Instruction(find_rule(self.rule), self.update, self.restart)
 
 

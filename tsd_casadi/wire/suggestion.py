@@ -45,7 +45,7 @@ class SuggestionMessage(Document):
         )
 
     def suggestion(self) -> Suggestion:
-        """The suggestion.
+        """Make the suggestion.
 
         Raises:
             MalformedMessage: If a unit is not the parameter's.

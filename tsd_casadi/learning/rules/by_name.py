@@ -15,7 +15,7 @@ RULES: Mapping[str, Rule] = {rule.name: rule for rule in _KNOWN}
 
 
 def find_rule(name: str) -> Rule:
-    """The rule of that name.
+    """Find a rule by its word.
 
     Raises:
         InvalidValue: If there is none.

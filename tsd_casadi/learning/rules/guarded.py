@@ -27,11 +27,11 @@ class Guarded:
         """Take every recording."""
 
     def goes_on_from(self, tested: Iteration, best: Iteration) -> bool:
-        """Only from what is no worse than the best."""
+        """Go on from what is no worse than the best only."""
         return tested.error <= best.error
 
     def gain_after(self, gain: float, goes_on: bool) -> float:
-        """Half of it after a worse one: the sum would overshoot again."""
+        """Halve it after a worse one: the sum would overshoot again."""
         return gain if goes_on else gain / 2
 
     def next_weights(
@@ -42,9 +42,9 @@ class Guarded:
         feedback: Matrix,
         gain: float,
     ) -> Matrix:
-        """The applied weights and a share of the feedback."""
+        """Add a share of the feedback to the applied weights."""
         return update_weights(tests[-1].weights, feedback, gain)
 
     def served(self, newest: Iteration, best: Iteration) -> Iteration:
-        """The newest while it is untested, else the best."""
+        """Serve the newest while it is untested, else the best."""
         return newest if newest.errors is None else best

@@ -27,7 +27,7 @@ class Plain:
         """Take every recording."""
 
     def goes_on_from(self, tested: Iteration, best: Iteration) -> bool:
-        """Yes, though it may be worse than an earlier one."""
+        """Go on, though it may be worse than an earlier one."""
         return True
 
     def gain_after(self, gain: float, goes_on: bool) -> float:
@@ -42,9 +42,9 @@ class Plain:
         feedback: Matrix,
         gain: float,
     ) -> Matrix:
-        """The applied weights and all of the feedback, whatever the gain."""
+        """Add all of the feedback to the applied weights, whatever the gain."""
         return update_weights(tests[-1].weights, feedback)
 
     def served(self, newest: Iteration, best: Iteration) -> Iteration:
-        """The newest, though it may have proved worse."""
+        """Serve the newest, though it may have proved worse."""
         return newest

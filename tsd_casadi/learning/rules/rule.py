@@ -42,15 +42,15 @@ class Rule(Protocol):
         """
 
     def goes_on_from(self, tested: Iteration, best: Iteration) -> bool:
-        """Whether to learn from the repetition that has just tested an iteration.
+        """Say whether to learn from the repetition that has just tested an iteration.
 
         Args:
-            tested: The iteration.
-            best: The one with the smallest error at these gains, perhaps the same.
+            tested: Has errors now.
+            best: Has the smallest error at these gains, perhaps the same one.
         """
 
     def gain_after(self, gain: float, goes_on: bool) -> float:
-        """The learning gain after the first test of an iteration.
+        """Say the learning gain after the first test of an iteration.
 
         Args:
             gain: Before, the share of a change that is made.
@@ -65,11 +65,9 @@ class Rule(Protocol):
         feedback: Matrix,
         gain: float,
     ) -> Matrix:
-        """Weights of the next iteration.
+        """Compute the weights of the next iteration.
 
         Args:
-            key: Of the entry.
-            basis: Of all its weights.
             tests: Iterations tested at the gains of the newest recording, the one
                 to go on from last.
             feedback: What the feedback of that last test added, fitted, (k, L)
@@ -81,9 +79,9 @@ class Rule(Protocol):
         """
 
     def served(self, newest: Iteration, best: Iteration) -> Iteration:
-        """The iteration that answers a query.
+        """Choose the iteration that answers a query.
 
         Args:
             newest: The last one that was made.
-            best: The one with the smallest error at the newest gains.
+            best: Has the smallest error at the newest gains.
         """

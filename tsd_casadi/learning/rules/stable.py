@@ -43,7 +43,7 @@ class Stable(Guarded):
         require_loop(key.axes, dict(key.parameters), recording.context.gains)
 
     def gain_after(self, gain: float, goes_on: bool) -> float:
-        """Half of it after a worse one, twice as much after a better one, up to 1.
+        """Halve it after a worse one, double it after a better one, up to 1.
 
         What was worse by noise, or by a response that is known better since, is no
         reason to learn slowly for ever.
@@ -58,7 +58,7 @@ class Stable(Guarded):
         feedback: Matrix,
         gain: float,
     ) -> Matrix:
-        """From all repetitions whose positions are known, see ``update_stably``."""
+        """Learn from all repetitions whose positions are known, see ``update_stably``."""
         loop = require_loop(key.axes, dict(key.parameters), tests[-1].gains or {})
         repetitions = [test.repetition for test in tests if test.repetition is not None]
         return update_stably(repetitions, basis, *loop, gain=gain).weights
