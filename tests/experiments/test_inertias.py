@@ -9,16 +9,15 @@ import pytest
 
 from tsd_casadi import Controller, Robot, Squat, load_robot
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.identification.inertias import (
-    Observations,
+from tsd_casadi.identification.inertias import identify_inertias, identify_with_friction
+from tsd_casadi.identification.observations import Observations
+from tsd_casadi.identification.physical_consistency import pseudo_inertia
+from tsd_casadi.identification.regressor import (
     free_motions,
     friction_rows,
-    identify_inertias,
-    identify_with_friction,
     inertial_rows,
     nominal_parameters,
 )
-from tsd_casadi.identification.physical_consistency import pseudo_inertia
 from tsd_clients import MujocoSimulator
 from tsd_experiments.comparison.baselines.friction_feedforward import FrictionFeedforward
 from tsd_experiments.comparison.baselines.motion_recorder import MotionRecorder, observe

@@ -11,14 +11,13 @@ from tsd_casadi.exceptions import EntryNotFound, InvalidValue, SimulationError
 from tsd_casadi.motions.motion import Reference
 from tsd_casadi.repetition.compensator import Moment, Setting
 from tsd_clients import MujocoSimulator
+from tsd_experiments.comparison.baselines.generalize_torques import generalize_torques
 from tsd_experiments.comparison.baselines.joint_torque_learning import (
     FeedbackTorque,
-    LearnedTorque,
-    TorqueFeedforward,
     add_feedback,
-    generalize_torques,
     learn_joint_torques,
 )
+from tsd_experiments.comparison.baselines.torque_feedforward import LearnedTorque, TorqueFeedforward
 
 SQUAT = Squat(0.02, 1.0)
 

@@ -7,13 +7,10 @@ from dataclasses import replace
 
 from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.motions.motion import Motion
-from tsd_experiments.comparison.baselines.joint_torque_learning import (
-    LearnedTorque,
-    generalize_torques,
-    varied,
-)
+from tsd_experiments.comparison.baselines.generalize_torques import generalize_torques, varied
+from tsd_experiments.comparison.baselines.torque_feedforward import LearnedTorque
 from tsd_experiments.comparison.bench import Alternative, Bench
-from tsd_experiments.comparison.methods import learn_task, learn_torque
+from tsd_experiments.comparison.learn_plainly import learn_task, learn_torque
 
 
 def generalized_acceleration(benches: Sequence[Bench], asked: Motion) -> Alternative:

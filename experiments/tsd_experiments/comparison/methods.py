@@ -11,25 +11,14 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
-
 from tsd_casadi.compilation.compile_controller import compile_controller
 from tsd_casadi.database.database import Database
-from tsd_casadi.encoding.laps import fit_laps
-from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.identification.identified_robot import write_robot
-from tsd_casadi.identification.inertias import (
-    Identified,
-    Observations,
-    identify_inertias,
-    identify_with_friction,
-)
+from tsd_casadi.identification.inertias import Identified, identify_inertias, identify_with_friction
+from tsd_casadi.identification.observations import Observations
 from tsd_casadi.identification.physical_consistency import PARAMETERS
-from tsd_casadi.learning.feedforward import Feedforward
-from tsd_casadi.learning.iterative_learning import update_weights
 from tsd_casadi.repetition.compensator import Compensator
 from tsd_casadi.repetition.learn import learn
-from tsd_casadi.repetition.record import record_of
 from tsd_experiments.comparison.baselines.disturbance_observer import (
     DisturbanceObserver,
     usual_bandwidth,
@@ -37,70 +26,10 @@ from tsd_experiments.comparison.baselines.disturbance_observer import (
 from tsd_experiments.comparison.baselines.excitation import Excitation
 from tsd_experiments.comparison.baselines.friction_feedforward import FrictionFeedforward
 from tsd_experiments.comparison.baselines.integral_action import IntegralAction
-from tsd_experiments.comparison.baselines.joint_torque_learning import (
-    LearnedTorque,
-    TorqueFeedforward,
-    learn_joint_torques,
-)
 from tsd_experiments.comparison.baselines.motion_recorder import MotionRecorder, observe
+from tsd_experiments.comparison.baselines.torque_feedforward import LearnedTorque
 from tsd_experiments.comparison.bench import Alternative, Bench
-
-
-def learn_task(bench: Bench) -> Feedforward:
-    """Learn task accelerations by the paper's plain sum.
-
-    Returns:
-        The feedforward after the last iteration, not yet tried.
-
-    Raises:
-        SimulationError: If a repetition fell or never settled.
-        InvalidValue: If iterations is not at least 1.
-    """
-    feedforward = None
-    for iteration in range(1, bench.iterations + 1):
-        run = bench.simulator.run(
-            bench.controller,
-            bench.motion,
-            feedforward=feedforward,
-            gains=bench.gains,
-            seed=bench.seed,
-        )
-        recording = record_of(run, bench.simulator.robot, bench.controller)
-        fitted = fit_laps(recording.laps, recording.basis)
-        weights = update_weights(recording.applied, fitted.feedback)
-        feedforward = Feedforward(
-            axes=run.feedforward.axes,
-            basis=recording.basis,
-            weights=weights,
-            standard_deviations=np.zeros_like(weights),
-            kind="learned",
-            parameters=bench.motion.parameters,
-            provenance={"iteration": iteration},
-        )
-    if feedforward is None:
-        raise InvalidValue("iterations", bench.iterations, "at least 1")
-    return feedforward
-
-
-def learn_torque(bench: Bench) -> TorqueFeedforward:
-    """Learn joint torques by the same plain sum.
-
-    Returns:
-        The feedforward after the last iteration, not yet tried.
-
-    Raises:
-        SimulationError: If a repetition fell or never settled.
-        InvalidValue: If iterations is not at least 1.
-    """
-    _, learned = learn_joint_torques(
-        bench.simulator,
-        bench.controller,
-        bench.motion,
-        bench.iterations,
-        gains=bench.gains,
-        seed=bench.seed,
-    )
-    return learned
+from tsd_experiments.comparison.learn_plainly import learn_task, learn_torque
 
 
 def nothing(bench: Bench) -> Alternative:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio
 
-from tsd_casadi.identification.inertias import Friction
+from tsd_casadi.identification.observations import Friction
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.robot.robot_file_sections import FRAME_AXES, ComTaskFile
 from tsd_casadi.state import Matrix, Vector

@@ -13,56 +13,17 @@ compliant movement primitives. One periodic signal for each joint.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-
 import numpy as np
-from numpy.typing import ArrayLike
 
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import InvalidValue, SimulationError
-from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.state import Matrix, Vector
+from tsd_casadi.state import Vector
 from tsd_clients.simulator.simulator import MujocoSimulator
-
-
-@dataclass(frozen=True)
-class TorqueFeedforward:
-    """Joint torques to add, as functions of the phase.
-
-    Attributes:
-        joints: Names of the n joints.
-        basis: The basis of the weights.
-        weights: (n, L) [N m].
-        parameters: Task parameters it is meant for, SI units.
-    """
-
-    joints: tuple[str, ...]
-    basis: PeriodicBasis
-    weights: Matrix
-    parameters: dict[str, float] = field(default_factory=dict)
-
-    @classmethod
-    def zero(cls, joints: Sequence[str], parameters: dict[str, float]) -> TorqueFeedforward:
-        """Make a feedforward of nothing learned yet."""
-        basis = PeriodicBasis()
-        return cls(tuple(joints), basis, np.zeros((len(joints), basis.L)), parameters)
-
-    def mean(self, phase: ArrayLike) -> Matrix:
-        """Compute the torques at some phases.
-
-        Args:
-            phase: (N,) [rad].
-
-        Returns:
-            (n, N) [N m].
-        """
-        return self.basis.evaluate(phase, self.weights)
+from tsd_experiments.comparison.baselines.torque_feedforward import LearnedTorque, TorqueFeedforward
 
 
 class FeedbackTorque(Compensator):
@@ -95,30 +56,6 @@ class FeedbackTorque(Compensator):
             self._without[gain] = 0.0
         without = self._controller.tick(moment.state, self._without)
         self.torques.append(moment.tick.tau - without.tau)
-
-
-class LearnedTorque(Compensator):
-    """Adds a learned feedforward to the torques."""
-
-    def __init__(self, feedforward: TorqueFeedforward) -> None:
-        """Take what was learned."""
-        self._feedforward = feedforward
-
-    def start(self, setting: Setting) -> None:
-        """Check the joints.
-
-        Raises:
-            SimulationError: If it was learned with other joints.
-        """
-        if self._feedforward.joints != tuple(setting.robot.joint_names):
-            raise SimulationError(
-                f"the torques are for {', '.join(self._feedforward.joints)}, {setting.robot.name} "
-                f"has {', '.join(setting.robot.joint_names)}; learn them with this robot"
-            )
-
-    def after(self, moment: Moment) -> None:
-        """Add the torques of this phase."""
-        moment.tau = moment.tau + self._feedforward.mean([moment.phase])[:, 0]
 
 
 def learn_joint_torques(
@@ -188,42 +125,3 @@ def add_feedback(
     feedback = np.array(recorded.torques)[measured].T
     weights = applied.weights + applied.basis.fit(run.log["phase"][measured], feedback)
     return TorqueFeedforward(applied.joints, applied.basis, weights, applied.parameters)
-
-
-def generalize_torques(
-    task: str, learned: Sequence[TorqueFeedforward], parameters: dict[str, float]
-) -> TorqueFeedforward:
-    """Generalise torques to parameters that were never tried, as task accelerations are.
-
-    Args:
-        learned: What was learned at other parameters; the regression is over
-            those that differ.
-        parameters: The parameters asked for, SI units.
-
-    Returns:
-        The predicted torques.
-
-    Raises:
-        InvalidValue: If nothing was learned.
-        EntryNotFound: If too little was learned.
-        OutsideTrainedRange: If a parameter is outside of what was learned.
-    """
-    if not learned:
-        raise InvalidValue("learned", "empty", "torques learned at some other parameters")
-    first = learned[0]
-    names, inputs = varied([other.parameters for other in learned])
-    regression = WeightRegression(
-        task, names, inputs, [other.weights for other in learned], first.basis
-    )
-    mean, _ = regression.predict(parameters)
-    return TorqueFeedforward(first.joints, first.basis, mean, dict(parameters))
-
-
-def varied(parameters: Sequence[dict[str, float]]) -> tuple[list[str], Matrix]:
-    """Tell which of some motions' parameters differ, and their values.
-
-    Returns:
-        Names of those that differ, d of them, and their values, (n, d).
-    """
-    names = [name for name in parameters[0] if len({each[name] for each in parameters}) > 1]
-    return names, np.array([[each[name] for name in names] for each in parameters])

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from tsd_casadi.exceptions import SimulationError
-from tsd_casadi.identification.inertias import Observations
+from tsd_casadi.identification.observations import Observations
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.state import Matrix, Vector
