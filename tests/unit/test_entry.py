@@ -29,15 +29,15 @@ def recording(
     applied: np.ndarray = NOTHING, error: float = 1e-3, feedback: float = 0.5, **changes: Any
 ) -> Recording:
     """One repetition whose feedback was constant, so fitted weights equal it."""
-    made = Recording(
-        key=KEY,
-        basis=BASIS,
-        applied=applied,
-        laps=[Lap(PHASE, np.full((1, 100), feedback))] * 2,
-        errors={"rms_error_m": error, "ac_rms_error_m": error / 10},
-        context=CONTEXT,
-    )
-    return replace(made, **changes)
+    made = {
+        "key": KEY,
+        "basis": BASIS,
+        "applied": applied,
+        "laps": [Lap(PHASE, np.full((1, 100), feedback))] * 2,
+        "errors": {"rms_error_m": error, "ac_rms_error_m": error / 10},
+        "context": CONTEXT,
+    }
+    return Recording(**{**made, **changes})
 
 
 def told(rule: str = "guarded", **changes: bool) -> Instruction:
@@ -397,8 +397,9 @@ def test_the_account_names_each_axis() -> None:
     key = EntryKey.of("r", "squat", ("com.x", "com.z"), dict(KEY.parameters))
     context = replace(CONTEXT, gains={"P": [50.0, 20.0], "D": [14.0, 9.0]})
     entry, twice = Entry(key, BASIS, context), np.vstack([WAVE, WAVE])
-    made = stable_recording(np.zeros((2, BASIS.L)), context=context, key=key)
-    entry.add(replace(made, laps=[Lap(PHASE, twice, twice / 100, twice / 20)]), told("stable"))
+    laps = [Lap(PHASE, twice, twice / 100, twice / 20)]
+    made = recording(np.zeros((2, BASIS.L)), laps=laps, context=context, key=key)
+    entry.add(made, told("stable"))
     assert [account.axis for account in entry.contractions] == ["com.x", "com.z"]
     stiff, soft = entry.contractions
     assert stiff.plain[1] < soft.plain[1]
