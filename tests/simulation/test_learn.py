@@ -259,7 +259,7 @@ class Grumpy:
     def __init__(self, error: TsdError) -> None:
         self.error = error
 
-    def query(self, task: str, **_: Any) -> Any:
+    def query(self, motion: str, **_: Any) -> Any:
         raise self.error
 
     def record(self, recording: Any) -> Any:
@@ -280,7 +280,7 @@ def test_all_motions_are_checked_before_the_first_run(
     simulator: MujocoSimulator, controller: Controller, learned: Learned
 ) -> None:
     class Untouched(Grumpy):
-        def query(self, task: str, **_: Any) -> Any:
+        def query(self, motion: str, **_: Any) -> Any:
             raise AssertionError("a run was about to start")
 
     with pytest.raises(InvalidValue, match="amplitude"):

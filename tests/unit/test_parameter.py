@@ -57,10 +57,10 @@ def test_what_makes_no_sense_is_refused_by_name(changes: dict[str, float], messa
         complete_parameters("squat", {"amplitude": 0.03, "frequency": 0.25, **changes})
 
 
-@pytest.mark.parametrize("task", ["squat", "bow"])
-def test_words_of_queries_are_no_parameters(task: str) -> None:
+@pytest.mark.parametrize("motion", ["squat", "bow"])
+def test_words_of_queries_are_no_parameters(motion: str) -> None:
     with pytest.raises(InvalidValue, match="parameter 'kind' is 1, expected another name"):
-        complete_parameters(task, {"kind": 1.0})
+        complete_parameters(motion, {"kind": 1.0})
 
 
 def test_what_is_missing_is_named() -> None:

@@ -13,7 +13,7 @@ from tsd_experiments.comparison.baselines.torque_feedforward import TorqueFeedfo
 
 
 def generalize_torques(
-    task: str, learned: Sequence[TorqueFeedforward], parameters: dict[str, float]
+    motion: str, learned: Sequence[TorqueFeedforward], parameters: dict[str, float]
 ) -> TorqueFeedforward:
     """Generalise torques to parameters that were never tried, as task accelerations are.
 
@@ -35,7 +35,7 @@ def generalize_torques(
     first = learned[0]
     names, inputs = varied([other.parameters for other in learned])
     regression = WeightRegression(
-        task, names, inputs, [other.weights for other in learned], first.basis
+        motion, names, inputs, [other.weights for other in learned], first.basis
     )
     mean, _ = regression.predict(parameters)
     return TorqueFeedforward(first.joints, first.basis, mean, dict(parameters))

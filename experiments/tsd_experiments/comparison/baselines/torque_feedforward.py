@@ -22,7 +22,7 @@ class TorqueFeedforward:
         joints: Names of the n joints.
         basis: The basis of the weights.
         weights: (n, L) [N m].
-        parameters: Task parameters it is meant for, SI units.
+        parameters: Of the motion that it is meant for, SI units.
     """
 
     joints: tuple[str, ...]
