@@ -153,7 +153,7 @@ class RunningService:
         )
 
     def _end_orphans(self) -> int:
-        """Number of processes that outlived the service, which are ended here."""
+        """Count the processes that outlived the service, and end them."""
         end = time.monotonic() + GRACE
         while (running := processes_of(self.process.pid)) and time.monotonic() < end:
             time.sleep(0.02)

@@ -25,7 +25,7 @@ TARGET = Path(__file__).parent / "wire.md"
 
 
 def header_table() -> str:
-    """The tick's header."""
+    """Describe the tick's header."""
     lines = ["| byte | size | type | name | value |", "| ---: | ---: | --- | --- | --- |"]
     offset = 0
     for size, kind, name, meaning in HEADER_FIELDS:
@@ -35,7 +35,7 @@ def header_table() -> str:
 
 
 def layout_table(layout: Layout) -> str:
-    """The fields of a vector."""
+    """Describe the fields of a vector."""
     lines = [
         "| byte | float64 | size | name | unit | meaning |",
         "| ---: | ---: | ---: | --- | --- | --- |",
@@ -55,7 +55,7 @@ def layout_table(layout: Layout) -> str:
 
 
 def parameter_table() -> str:
-    """The parameters of the motions."""
+    """Describe the parameters of the motions."""
     lines = [
         "| motion (`task`) | parameter | unit | values | if left out |",
         "| --- | --- | --- | --- | --- |",
@@ -84,7 +84,7 @@ def _subclasses(parent: type[TsdError]) -> set[type[TsdError]]:
 
 
 def generate() -> str:
-    """The whole page."""
+    """Write the whole page."""
     tick_format = InverseDynamics(load_robot(ROBOT)).format
     statuses = "\n".join(
         f"| {int(status)} | {status.name.lower()} | {text} |"

@@ -59,7 +59,7 @@ def with_groups(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _parameters(group: type[Any]) -> Iterator[inspect.Parameter]:
-    """A group's fields; the first line of its docstring is their heading in the help."""
+    """List a group's fields; the first line of its docstring is their heading in the help."""
     heading = (inspect.getdoc(group) or "").split("\n", maxsplit=1)[0].rstrip(".")
     hints = get_type_hints(group, include_extras=True)
     for field in fields(group):

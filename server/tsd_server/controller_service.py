@@ -36,7 +36,6 @@ class ControllerService:
         compiling, and queries wait until the service is ready.
 
         Args:
-            robot: The robot.
             listen: Endpoints to listen on.
 
         Raises:

@@ -158,7 +158,7 @@ class LearnerService:
 
 
 def _texts(query: zenoh.Query, example: str) -> dict[str, str]:
-    """The selector's parameters, the motion among them as 'task'."""
+    """Read the selector's parameters, the motion among them as 'task'."""
     # the stub does not know that Parameters iterate over pairs
     pairs = list(dict(query.parameters).items())  # type: ignore[call-overload]
     texts = {str(name): str(value) for name, value in pairs}
@@ -168,7 +168,7 @@ def _texts(query: zenoh.Query, example: str) -> dict[str, str]:
 
 
 def _number(name: str, text: str) -> float:
-    """A parameter of a motion; whether it makes sense is for the database to say."""
+    """Read a parameter of a motion; whether it makes sense is for the database to say."""
     if name in RESERVED:
         raise InvalidValue(f"parameter '{name}'", repr(text), "the name of a motion's parameter")
     try:

@@ -100,7 +100,6 @@ class Service:
         would wait with it, keep-alives would stop and every client be cut off.
 
         Args:
-            key: The key.
             answer: Replies to one query; a TsdError it raises becomes an error
                 reply.
         """
@@ -177,7 +176,6 @@ def reply_json(query: zenoh.Query, key: str, body: bytes) -> None:
     """Answer a query with JSON.
 
     Args:
-        query: The query.
         key: Key of the reply, without wildcards.
         body: UTF-8 JSON.
     """

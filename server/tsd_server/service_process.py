@@ -98,7 +98,7 @@ class ServiceProcess:
 
 
 def free_endpoint() -> str:
-    """A loopback endpoint with a port that is free now."""
+    """Find a loopback endpoint with a port that is free now."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return f"tcp/127.0.0.1:{probe.getsockname()[1]}"

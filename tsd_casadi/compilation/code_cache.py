@@ -27,7 +27,7 @@ from tsd_casadi.exceptions import CacheNotPrivate, CacheNotWritable, CompilerNot
 
 
 def cache_folder() -> Path:
-    """The folder of compiled code, made if need be, private to the user.
+    """Find the folder of compiled code, private to the user, and make it if need be.
 
     ``TSD_CACHE_DIR`` names another one.
 
@@ -108,10 +108,6 @@ def library_key(*parts: str) -> str:
 def keep_text(path: Path, text: str) -> None:
     """Write a file of the cache, whole or not at all.
 
-    Args:
-        path: The file.
-        text: Its content.
-
     Raises:
         CacheNotWritable: If it cannot be written.
     """
@@ -122,17 +118,13 @@ def keep_text(path: Path, text: str) -> None:
 
 
 def verified_library(library: Path) -> Path | None:
-    """A library of the cache, or None if it is not there or damaged.
-
-    Args:
-        library: Its path.
-    """
+    """Find a library of the cache; None if it is not there or damaged."""
     return library if _is_intact(library) else None
 
 
 @contextmanager
 def _build_folder(folder: Path) -> Iterator[Path]:
-    """A folder in the cache that is gone afterwards."""
+    """Make a folder in the cache that is gone afterwards."""
     try:
         with tempfile.TemporaryDirectory(dir=folder, prefix="build-") as build:
             yield Path(build)
@@ -150,7 +142,7 @@ def _source_key(sources: Mapping[str, str]) -> str:
 
 
 def _processor() -> str:
-    """What -march=native depends on; home folders may be shared between machines."""
+    """Tell what -march=native depends on; home folders may be shared between machines."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:

@@ -126,7 +126,7 @@ def compile_library(sources: Mapping[str, str], build: Path, came: Sequence[int]
 
 
 def _wait(process: subprocess.Popen[str], came: Sequence[int]) -> str:
-    """What the compiler printed; a wait without end would not notice a signal."""
+    """Wait for what the compiler prints; a wait without end would not notice a signal."""
     while True:
         try:
             return process.communicate(timeout=GLANCE)[0]
@@ -136,7 +136,7 @@ def _wait(process: subprocess.Popen[str], came: Sequence[int]) -> str:
 
 
 def _command() -> list[str]:
-    """The compiler with the arguments that CC may hold."""
+    """Find the compiler with the arguments that CC may hold."""
     return [find_compiler(), *_words_of_cc()[1:]]
 
 

@@ -26,7 +26,7 @@ from tsd_casadi.motions.parameter import complete_parameters
 
 
 def default_path() -> Path:
-    """The database in the user's data folder, which is made if there is none."""
+    """Find the database in the user's data folder, which is made if there is none."""
     folder = Path(platformdirs.user_data_dir("tsd_casadi"))
     with suppress(OSError):  # opening the file says what is wrong
         folder.mkdir(parents=True, exist_ok=True)

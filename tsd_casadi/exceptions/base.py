@@ -23,7 +23,7 @@ class TsdError(Exception):
 
     @classmethod
     def of_message(cls, message: str) -> Self:
-        """An error of this class of which nothing but its message is known.
+        """Make an error of this class of which nothing but its message is known.
 
         Args:
             message: What was wrong, what was expected, what to do.
@@ -35,7 +35,7 @@ class TsdError(Exception):
 
 
 def class_of(code: str) -> type[TsdError] | None:
-    """The class whose errors have a code.
+    """Find the class whose errors have a code.
 
     Args:
         code: As in an error reply.

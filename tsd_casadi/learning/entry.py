@@ -93,7 +93,6 @@ class Entry:
         """Take in one repetition: note its errors, then learn from it.
 
         Args:
-            recording: The repetition.
             instruction: By which rule, and whether to learn; whoever keeps the
                 entries restarts them.
 
@@ -142,9 +141,6 @@ class Entry:
 
     def observed_contractions(self, axis: int = 0) -> Matrix | None:
         """Compute what each test left of the feedback of the one that it was learned from.
-
-        Args:
-            axis: Index of the axis.
 
         Returns:
             As ``observe_contractions`` does.

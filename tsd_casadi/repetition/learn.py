@@ -103,8 +103,6 @@ def learn(
     continued.
 
     Args:
-        simulator: The simulated robot.
-        controller: Local or remote.
         motions: What to learn, one after another.
         learner: Database or learner service.
         iterations: Learning iterations for each motion.
@@ -116,7 +114,6 @@ def learn(
         rule: How each entry goes on; see ``tsd_casadi.learning.rules``.
         laps: Least number of laps of each repetition.
         gains: Factors on the learned task's gains.
-        compensators: What else changes commands and torques.
         seed: Of the starting posture and the sensors' noise: one for all
             repetitions, or one for each of a motion's N + 1.
         transport: How the controller is reached, for the records.

@@ -57,13 +57,9 @@ class Repetition:
         """Prepare a repetition.
 
         Args:
-            robot: The robot as the controller knows it.
             plant: The robot at its start.
-            controller: Local or remote.
-            motion: What to do.
             feedforward: Learned term, or none.
             gains: Factors on the learned task's gains.
-            compensators: What else changes commands and torques.
 
         Raises:
             SimulationError: If controller or feedforward are for something else.

@@ -169,7 +169,7 @@ class _Story:
 def _ask_first(
     choice: FirstChoice, learner: RemoteLearner, robot: Robot, motion: Motion
 ) -> Feedforward | None:
-    """What a motion of which nothing is known starts with."""
+    """Choose what a motion of which nothing is known starts with."""
     if choice is FirstChoice.NONE:
         return None
     try:

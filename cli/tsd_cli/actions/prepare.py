@@ -33,7 +33,6 @@ def make_motion(name: str, amplitude: float, frequency: float, height: float) ->
     """Make a motion by its name.
 
     Args:
-        name: Its name.
         amplitude: Half of peak to peak [m].
         frequency: Laps per second [Hz].
         height: Middle of the motion above home [m].

@@ -42,7 +42,6 @@ def print_places(motion: str, places: Sequence[Mapping[str, Any]]) -> None:
     """Print where learning went by itself, one place per row.
 
     Args:
-        motion: Name of the motion.
         places: With 'parameters', 'standard_deviation' that was predicted
             before, and 'rms_errors_m' of the runs there.
     """
@@ -64,7 +63,6 @@ def print_contractions(
     """Print what an iteration leaves of an error, one harmonic per row.
 
     Args:
-        motion: Name of the motion.
         parameters: Its parameters, SI units.
         contractions: By learned axis.
     """
@@ -102,7 +100,6 @@ def describe_values(motion: str, parameters: Mapping[str, float]) -> str:
     """Name parameters with units: 'amplitude 0.03 m, frequency 0.25 Hz, height 0 m'.
 
     Args:
-        motion: Name of the motion.
         parameters: Values by name, SI units.
     """
     return ", ".join(

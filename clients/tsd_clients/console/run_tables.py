@@ -89,7 +89,6 @@ def number_text(value: float | None, scale: float, digits: int) -> str:
     """Write a number for a cell; '-' where there is none.
 
     Args:
-        value: The number, or None.
         scale: Factor on it, for another unit.
         digits: After the decimal point.
     """

@@ -22,7 +22,6 @@ def save_log(run: Run, path: str | Path) -> None:
     """Write every tick of a run; the ending of the path says how.
 
     Args:
-        run: The run.
         path: Ends in .npz for one array a field, or in .csv for one line a tick
             and one column a component, 'tau[0]' and so on.
 

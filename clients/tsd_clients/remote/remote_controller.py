@@ -54,7 +54,6 @@ class RemoteController:
         """Connect and ask what the service is.
 
         Args:
-            robot: Name of the robot.
             connect: Endpoints of the service.
 
         Raises:
@@ -102,7 +101,7 @@ class RemoteController:
         self._session.close()
 
     def info(self) -> InfoMessage:
-        """What the service is and how many ticks it has served.
+        """Ask what the service is and how many ticks it has served.
 
         Raises:
             TwoServices: If more than one answers.
@@ -117,14 +116,13 @@ class RemoteController:
         return next(iter(infos.values()))
 
     def command(self) -> Command:
-        """A new command that holds the home posture."""
+        """Make a new command, which holds the home posture."""
         return Command(self.format.request)
 
     def tick(self, state: State, command: Command) -> Tick:
         """Torque for one state and command.
 
         Args:
-            state: The robot's state.
             command: What to do; its request vector takes the state.
 
         Returns:
@@ -155,7 +153,7 @@ class RemoteController:
         return Tick(self.format, reply)
 
     def _ask_once(self, payload: bytes) -> Vector | None:
-        """The reply of the instance that is believed; None if it has to be asked again."""
+        """Find the reply of the instance that is believed; None if it has to be asked again."""
         strangers: list[int] = []
         refusal: TsdError | None = None
         try:
@@ -183,7 +181,7 @@ class RemoteController:
         return None
 
     def _read(self, reply: Any) -> TickMessage | None:
-        """A reply's message; None if it is nothing that a controller of ours sends."""
+        """Read a reply's message; None if it is nothing that a controller of ours sends."""
         body = self._session.body_of(reply)
         try:
             message = unpack_tick(body, REPLY, self._layout, self.format.reply.size)

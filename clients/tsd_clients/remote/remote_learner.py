@@ -67,7 +67,7 @@ class RemoteLearner:
         extrapolate: bool = False,
         **parameters: float,
     ) -> Feedforward:
-        """The feedforward for some parameters of a motion; see ``Database.query``.
+        """Ask for the feedforward for some parameters of a motion; see ``Database.query``.
 
         Raises:
             TsdError: What ``Database.query`` raises, ``EntryNotFound`` for instance.
@@ -86,7 +86,7 @@ class RemoteLearner:
         extrapolate: bool = False,
         **parameters: float,
     ) -> FeedforwardMessage:
-        """The same as it comes over the network."""
+        """Ask for a feedforward as it comes over the network."""
         selector = {
             "task": motion,
             **{name: repr(float(value)) for name, value in parameters.items()},
@@ -132,7 +132,7 @@ class RemoteLearner:
         return reply.entry, reply.notes
 
     def database(self) -> DatabaseReply:
-        """What is known, of every robot."""
+        """Ask what is known, of every robot."""
         body = self._session.query_one(database_key(ANY_ROBOT))
         return DatabaseReply.decode(body)
 

@@ -31,7 +31,6 @@ class Session:
 
         Args:
             role: 'controller' or 'learner'.
-            endpoints: Where to look for it.
             low_latency: See ``session_settings``.
 
         Raises:
@@ -92,7 +91,6 @@ class Session:
         """Ask all services on a key.
 
         Args:
-            key: The key.
             parameters: Parameters of the selector.
             payload: Body of the query.
             timeout: How long to wait [s].
@@ -131,7 +129,6 @@ class Session:
         """Ask the only service on a key.
 
         Args:
-            key: The key.
             parameters: Parameters of the selector.
             payload: Body of the query.
 
@@ -152,7 +149,7 @@ class Session:
         return bodies[0]
 
     def body_of(self, reply: Any) -> bytes:
-        """The body of a reply.
+        """Take the body of a reply.
 
         Raises:
             TsdError: If it is an error of the service, as the class that the library raises.

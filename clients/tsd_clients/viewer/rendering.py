@@ -122,7 +122,7 @@ def animate(frames: Pictures, seconds: float) -> bytes:
 
 
 def _libraries() -> tuple[str, ...]:
-    """What to try: first what the user has chosen."""
+    """List what to try: first what the user has chosen."""
     chosen = os.environ.get("MUJOCO_GL")
     return (chosen, *LIBRARIES) if chosen and chosen != NO_LIBRARY else LIBRARIES
 
