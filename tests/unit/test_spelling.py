@@ -127,13 +127,15 @@ def american_prose(path: Path) -> list[str]:
 
 
 def test_names_are_american() -> None:
-    assert not [found for path in PYTHON for found in british_names(path)]
+    found = [name for path in PYTHON for name in british_names(path)]
+    assert not found, "\n".join(found)
 
 
 def test_prose_is_british() -> None:
     own = Path(__file__).resolve()
     read = (path for path in (*PYTHON, *C, *PAGES) if path.resolve() != own)
-    assert not [found for path in read for found in american_prose(path)]
+    found = [words for path in read for words in american_prose(path)]
+    assert not found, "\n".join(found)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""One repetition."""
+"""One repetition of a motion in simulation, for the command line."""
 
 from __future__ import annotations
 
