@@ -609,6 +609,20 @@ def _truncated(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:2000])
 
 
+def _no_text_in_the_schema(path: Path) -> None:
+    Database(path).close()
+    path.write_bytes(path.read_bytes().replace(b"CREATE TABLE entry", b"CREATE T\xe4BLE entry"))
+
+
+def _older_and_damaged(path: Path, parameters: str) -> None:
+    with Database(path) as database:
+        database.record(recording())
+    with closing(sqlite3.connect(path)) as other:
+        other.execute("UPDATE entry SET parameters = ?", (parameters,))
+        other.execute("PRAGMA user_version = 2")
+        other.commit()
+
+
 NOT_OURS: dict[str, Callable[[Path], Any]] = {
     "random bytes": lambda path: path.write_bytes(np.random.default_rng(0).bytes(5000)),
     "text": lambda path: path.write_text("amplitude,frequency\n0.03,0.25\n"),
@@ -618,6 +632,10 @@ NOT_OURS: dict[str, Callable[[Path], Any]] = {
     "another application id": _other_application_id,
     "newer schema": _newer_schema,
     "truncated": _truncated,
+    "no text in the schema": _no_text_in_the_schema,
+    "older, with a number for parameters": partial(_older_and_damaged, parameters="5"),
+    "older, with cut parameters": partial(_older_and_damaged, parameters='{"amplitude": '),
+    "older, with endless parameters": partial(_older_and_damaged, parameters="[" * 5000),
 }
 
 
@@ -1192,7 +1210,28 @@ def test_regions_that_make_no_sense_are_refused(
     [
         "UPDATE entry SET context = '{}'",
         "UPDATE entry SET axes = 'com.z'",
+        "UPDATE entry SET axes = '[]'",
+        "UPDATE entry SET axes = '[[1]]'",
+        "UPDATE entry SET parameters = '5'",
+        "UPDATE entry SET parameters = '[\"com.z\"]'",
+        """UPDATE entry SET parameters = '{"amplitude": 1e999}'""",
+        "UPDATE entry SET basis_size = 1e300",
+        "UPDATE entry SET basis_size = 24",
+        "UPDATE entry SET basis_width = 'wide'",
+        "UPDATE entry SET learning_gain = x'00ff'",
+        "UPDATE entry SET rule = 'unruly'",
+        """UPDATE entry SET context = '{"gains": 1}'""",
         "UPDATE iteration SET weights = '[[1.0, '",
+        "UPDATE iteration SET weights = '[[1.0]]'",
+        "UPDATE iteration SET weights = replace(weights, '[[', '[[NaN, ')",
+        """UPDATE iteration SET weights = '{"amplitude": 1}'""",
+        "UPDATE iteration SET errors = '{}'",
+        "UPDATE iteration SET errors = 'NaN'",
+        """UPDATE iteration SET errors = '{"rms_error_m": null}'""",
+        f"UPDATE iteration SET errors = '{'[' * 5000}'",
+        "UPDATE iteration SET gains = '[1]'",
+        "UPDATE iteration SET feedback = '[[null]]'",
+        "UPDATE iteration SET number = 'first' WHERE number = 0",
     ],
 )
 def test_a_damaged_entry_is_named(path: Path, damage: str) -> None:

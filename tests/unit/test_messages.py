@@ -567,3 +567,14 @@ def test_an_info_whose_layout_contradicts_itself_is_refused(
 ) -> None:
     with pytest.raises(MalformedMessage):
         InfoMessage.decode(changed(an_info(controller), f"request.1.{name}", value)).tick_format()
+
+
+@pytest.mark.parametrize(
+    "provenance",
+    [{}, {"entries": [1]}, {"iteration": 1}, {"entries": 1, "iteration": 1}]
+    + [{"entries": [1], "iteration": wrong} for wrong in (None, "x", 1.5, [1], True)],
+)
+def test_a_feedforward_without_its_origin_is_refused(provenance: dict[str, Any]) -> None:
+    message = FEEDFORWARD.model_copy(update={"provenance": provenance})
+    with pytest.raises(MalformedMessage, match="a list of entries"):
+        FeedforwardMessage.decode(message.encode()).feedforward()

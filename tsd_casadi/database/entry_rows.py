@@ -7,16 +7,13 @@ from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import Any
 
-import numpy as np
-
 from tsd_casadi.database.database_file import DatabaseFile
-from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.database.rows import EntryRow, IterationRow
+from tsd_casadi.document import AnyDocument
 from tsd_casadi.exceptions import DatabaseError
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.iteration import Iteration
-from tsd_casadi.learning.recording import Context
-from tsd_casadi.learning.rules.by_name import find_rule
 
 # what a test leaves in its iteration, as weights
 FITTED = ("feedback", "error_weights", "reference_weights")
@@ -30,7 +27,7 @@ class EntryRows:
         self._file = file
 
     def read(self, robot: str | None = None, motion: str | None = None) -> list[Entry]:
-        """Entries, in the order of their identifiers.
+        """Read entries, in the order of their identifiers.
 
         Args:
             robot: Only of this robot.
@@ -40,15 +37,14 @@ class EntryRows:
             DatabaseError: If one is damaged.
         """
         rows = self._file.execute(
-            "SELECT id, robot, task, axes, parameters, basis_size, basis_width, context, "
-            "learning_gain, rule, updated FROM entry "
+            f"SELECT {', '.join(EntryRow.model_fields)} FROM entry "
             "WHERE (?1 IS NULL OR robot = ?1) AND (?2 IS NULL OR task = ?2) ORDER BY id",
             (robot, motion),
         )
-        return [self._checked_entry(row) for row in rows]
+        return [self._entry(row) for row in rows]
 
     def find(self, key: EntryKey) -> Entry | None:
-        """The entry of a key, if there is one."""
+        """Find the entry of a key, if there is one."""
         for entry in self.read(key.robot, key.motion):
             if entry.key == key:
                 return entry
@@ -109,46 +105,22 @@ class EntryRows:
             ),
         )
 
-    def _checked_entry(self, row: tuple[Any, ...]) -> Entry:
+    def _entry(self, row: tuple[Any, ...]) -> Entry:
+        rows = self._file.execute(
+            f"SELECT {', '.join(IterationRow.model_fields)} FROM iteration "
+            "WHERE entry = ? ORDER BY number",
+            (row[0],),
+        )
         try:
-            return self._entry(row)
-        except (ValueError, TypeError, KeyError) as error:
+            iterations = [_checked(IterationRow, each) for each in rows]
+            return _checked(EntryRow, row).entry(iterations)
+        except ValueError as error:  # of pydantic, or one of ours for shapes and rules
             raise DatabaseError(
                 self._file.path,
-                f"holds a damaged entry {row[0]} ({error})",
+                f"holds a damaged entry {row[0]} ({' '.join(str(error).split())})",
                 "restore a copy, or delete that row of the table 'entry'",
             ) from error
 
-    def _entry(self, row: tuple[Any, ...]) -> Entry:
-        axes, parameters, context = (json.loads(row[i]) for i in (3, 4, 7))
-        return Entry(
-            key=EntryKey.of(row[1], row[2], tuple(axes), parameters),
-            basis=PeriodicBasis(row[5], row[6]),
-            context=Context(**context),
-            iterations=self._iterations(row[0]),
-            learning_gain=row[8],
-            rule=find_rule(row[9]),
-            identifier=row[0],
-            updated=row[10],
-        )
 
-    def _iterations(self, identifier: int) -> list[Iteration]:
-        rows = self._file.execute(
-            "SELECT number, learned_from, weights, errors, gains, feedback, error_weights, "
-            "reference_weights FROM iteration WHERE entry = ? ORDER BY number",
-            (identifier,),
-        )
-        return [
-            Iteration(
-                number,
-                np.array(json.loads(weights)),
-                json.loads(errors) if errors else None,
-                json.loads(gains) if gains else None,
-                learned_from=learned_from,
-                **{
-                    name: np.array(json.loads(text)) if text else None
-                    for name, text in zip(FITTED, fitted, strict=True)
-                },
-            )
-            for number, learned_from, weights, errors, gains, *fitted in rows
-        ]
+def _checked(kind: type[AnyDocument], row: tuple[Any, ...]) -> AnyDocument:
+    return kind.model_validate(dict(zip(kind.model_fields, row, strict=True)))
