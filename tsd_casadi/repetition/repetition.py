@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.encoding.laps import Lap, first_steady_lap
+from tsd_casadi.encoding.laps import first_steady_lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.encoding.phase_oscillator import PhaseOscillator
 from tsd_casadi.exceptions import SimulationError
@@ -20,9 +20,9 @@ from tsd_casadi.motions.motion import Motion, Reference
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.gains import Gains
-from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.repetition.plant import Plant
 from tsd_casadi.repetition.run import Run
+from tsd_casadi.repetition.tick_log import TickLog
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.tick.format import Status
 
@@ -33,10 +33,6 @@ EXTRA_LAPS = 12
 FALL_HEIGHT = 0.6
 FLIGHT_HEIGHT = 2.0
 BLOWN_UP = 1e3  # norm of v: no robot, but a simulation that became unstable
-
-# what a tick leaves behind; which ticks are measured is known in the end only
-COLUMNS = [name for name in LOG_FIELDS if name != "measured"]
-LAP_COLUMNS = [COLUMNS.index(name) for name in ("phase", "feedback", "error", "reference")]
 
 Progress = Callable[[float, float], None]
 
@@ -102,9 +98,7 @@ class Repetition:
         self._oscillator = PhaseOscillator(motion.frequency, motion.start_phase)
         self._fall_height = FALL_HEIGHT * float(robot.home_com[2])
         self._flight_height = FLIGHT_HEIGHT * float(robot.home_com[2])
-        self._rows: list[tuple[Any, ...]] = []
-        self._laps: list[Lap] = []
-        self._lap_starts: list[int] = []
+        self._log = TickLog()
         self._fell = False
         self._steady = False
         self._compensators = compensators
@@ -121,7 +115,7 @@ class Repetition:
 
     @property
     def _time(self) -> float:
-        return self._plant.period * len(self._rows)
+        return self._plant.period * len(self._log)
 
     def hold(self, progress: Progress | None) -> None:
         """Stand in the middle of the motion; the feedforward is that of the starting phase."""
@@ -138,29 +132,19 @@ class Repetition:
         """Do whole laps until they are steady."""
         period = 1 / self._motion.frequency
         bound = laps + EXTRA_LAPS
-        while not self._fell and len(self._laps) < bound:
+        while not self._fell and len(self._log.laps) < bound:
             self._lap()
-            done = len(self._laps)
+            done = len(self._log.laps)
             if progress is not None:
                 progress(HOLD + done * period, HOLD + max(laps, done) * period)
-            if done >= laps and first_steady_lap(self._laps) is not None:
+            if done >= laps and first_steady_lap(self._log.laps) is not None:
                 self._steady = True
                 return
 
     def finish(self, settings: dict[str, Any]) -> Run:
         """Measure and pack up."""
-        log = {
-            name: np.array([row[column] for row in self._rows], dtype=LOG_FIELDS[name].type)
-            for column, name in enumerate(COLUMNS)
-        }
-        first = first_steady_lap(self._laps)
-        measured = np.zeros(len(log["time"]), dtype=bool)
-        laps: list[Lap] = []
-        if len(self._laps) >= 2 and not self._fell:
-            first = len(self._laps) - 2 if first is None else first
-            laps = self._laps[first:]
-            measured[self._lap_starts[first] :] = True
-        log["measured"] = measured
+        first, laps = (len(self._log), []) if self._fell else self._log.measured_laps()
+        log = self._log.arrays(measured_from=first)
         statuses = Counter(int(status) for status in log["status"])
         return Run(
             robot=self._robot.name,
@@ -172,7 +156,7 @@ class Repetition:
             settings=settings,
             log=log,
             laps=laps,
-            laps_run=len(self._laps),
+            laps_run=len(self._log.laps),
             steady=self._steady,
             fell=self._fell,
             failures={
@@ -191,7 +175,7 @@ class Repetition:
         return feedforward
 
     def _lap(self) -> None:
-        start = len(self._rows)
+        start = len(self._log)
         lap, step = self._oscillator.lap, self._oscillator.omega * self._plant.period
         # the whole lap's feedforward at once: a matrix product, not 4000
         count = int(2 * np.pi / step) + 2
@@ -204,12 +188,7 @@ class Repetition:
             self._oscillator.advance(self._plant.period)
             tick += 1
         if not self._fell:
-            self._lap_starts.append(start)
-            phase, *rows = (
-                np.array([row[column] for row in self._rows[start:]]) for column in LAP_COLUMNS
-            )
-            feedback, error, wanted = (values[None, :] for values in rows)
-            self._laps.append(Lap(phase, feedback, error, wanted))
+            self._log.add_lap(start)
 
     def _tick(self, lap: int, reference: Reference, feedforward: float) -> None:
         plant, axis, time = self._plant, self._world_axis, self._time
@@ -234,25 +213,23 @@ class Repetition:
             self._correct_torque(moment)
         wanted = self._middle[axis] + reference.x
         error = tick.error
-        self._rows.append(
-            (
-                time,
-                moment.phase,
-                lap,
-                wanted,
-                error[self._axis],
-                wanted - com[axis],
-                tick.feedback[self._axis],
-                moment.feedforward,
-                error,
-                true.q,
-                true.v,
-                moment.tau,
-                tick.reply[self._wrenches],
-                int(tick.reply[0]),
-                tick.compute_time,
-                1e6 * (after - before),
-            )
+        self._log.add(
+            time,
+            moment.phase,
+            lap,
+            wanted,
+            error[self._axis],
+            wanted - com[axis],
+            tick.feedback[self._axis],
+            moment.feedforward,
+            error,
+            true.q,
+            true.v,
+            moment.tau,
+            tick.reply[self._wrenches],
+            int(tick.reply[0]),
+            tick.compute_time,
+            1e6 * (after - before),
         )
         plant.step(moment.tau, time)
 
