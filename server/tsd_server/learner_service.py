@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -28,6 +29,8 @@ from tsd_server.service import Service, reply_json
 EVERY = "all"
 # some ten times the laps of the slowest squat [bytes]
 LARGEST_RECORDING = 50_000_000
+# the number of an entry, as large as SQLite's may be
+_ENTRY = re.compile(r"[0-9]{1,18}", re.ASCII)
 OPTIONS = ("task", "kind", "extrapolate")
 QUERY = "?task=squat;amplitude=0.05;frequency=0.25"
 REGION = "?task=squat;amplitude=0.02:0.08;frequency=0.2:0.6"
@@ -144,7 +147,7 @@ class LearnerService:
         forgotten = None
         forget = query.parameters.get("forget")
         if forget is not None:
-            if not str(forget).isdigit():
+            if _ENTRY.fullmatch(str(forget)) is None:
                 raise InvalidValue("forget", repr(str(forget)), "the number of an entry")
             forgotten = EntryMessage.of(self._open_database.forget(int(forget)))
         entries = self._open_database.entries(None if robot == ANY_ROBOT else robot)

@@ -231,6 +231,20 @@ def test_bad_recording_is_refused_and_nothing_lost(
     assert learner.database().entries == before
 
 
+@pytest.mark.parametrize("number", ["x", "-1", "1.5", "²", "٣", "1" * 5000])
+def test_what_is_no_number_of_an_entry_is_refused(raw_session: zenoh.Session, number: str) -> None:
+    reply = ask(raw_session, f"tsd/*/learner/database?forget={number}")
+    assert reply.err is not None
+    assert ErrorMessage.decode(reply.err.payload.to_bytes()).code == "invalid_value"
+
+
+@pytest.mark.parametrize("key", ["**", "tsd/**", "tsd/$*lower/learner/database"])
+def test_a_key_for_more_than_one_question_is_refused(raw_session: zenoh.Session, key: str) -> None:
+    reply = ask(raw_session, key)
+    assert reply.err is not None
+    assert ErrorMessage.decode(reply.err.payload.to_bytes()).code in ("malformed", "invalid_value")
+
+
 def test_unknown_key_is_refused(raw_session: zenoh.Session) -> None:
     reply = ask(raw_session, f"tsd/{ROBOT}/learner/nonsense")
     assert reply.err is not None
