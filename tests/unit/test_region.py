@@ -39,8 +39,8 @@ def test_what_was_chosen_is_said_with_unit_and_how_to_choose(robot: Robot) -> No
     texts = ["amplitude", "frequency=0.2:0.6", "height"]
     lines = describe_chosen(texts, read_region(texts, robot))
     assert lines == [
-        "region of amplitude: 0.02 to 0.08 m; for another range --region amplitude=0.02:0.08",
-        "region of height: -0.05 to 0.06 m; for another range --region height=-0.05:0.06",
+        "region of amplitude: 0.02 to 0.08 m; --region amplitude=LOW:HIGH for another",
+        "region of height: -0.05 to 0.06 m; --region height=LOW:HIGH for another",
     ]
 
 

@@ -81,8 +81,7 @@ def describe_chosen(texts: Sequence[str], region: Mapping[str, Ends]) -> list[st
         low, high = region[name]
         unit = unit_of(Squat.name, name)
         lines.append(
-            f"region of {name}: {low:g} to {high:g} {unit}; for another range "
-            f"--region {name}={low:g}:{high:g}"
+            f"region of {name}: {low:g} to {high:g} {unit}; --region {name}=LOW:HIGH for another"
         )
     return lines
 

@@ -9,7 +9,7 @@ from rich.markup import escape
 
 from tsd_casadi.motions.parameter import unit_of
 from tsd_clients.console.run_tables import number_text
-from tsd_clients.console.table import Column, console, print_table
+from tsd_clients.console.table import Column, print_table
 
 if TYPE_CHECKING:
     from tsd_casadi.learning.contraction import Contraction
@@ -67,13 +67,12 @@ def print_contractions(
         contractions: By learned axis.
     """
     for item in contractions:
-        console.print(
-            f"[italic]what an iteration leaves of the error along {item.axis}, {motion} "
+        title = (
+            f"what an iteration leaves of the error along {item.axis}, {motion} "
             f"{describe_values(motion, parameters)}\n"
             f"loop gain {item.gain:.2f} ± {item.gain_deviation:.2f}, "
             f"delay {1e3 * item.delay:.1f} ± {1e3 * item.delay_deviation:.1f} ms; "
-            f"lead {1e3 * item.lead:.1f} ms, bandwidth {item.bandwidth:.3g} Hz[/italic]",
-            highlight=False,
+            f"lead {1e3 * item.lead:.1f} ms, bandwidth {item.bandwidth:.3g} Hz"
         )
         shares = {
             "plain sum": item.plain,
@@ -88,7 +87,7 @@ def print_contractions(
             Column(heading, [number_text(value, 1.0, 2) for value in values])
             for heading, values in shares.items()
         ]
-        print_table("", columns)
+        print_table(title, columns)
 
 
 def describe_parameters(entry: EntryMessage) -> str:
