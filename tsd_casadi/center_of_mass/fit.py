@@ -29,8 +29,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
-from tsd_casadi.center_of_mass.mass_prior import NOISE as NOISE
-from tsd_casadi.center_of_mass.mass_prior import MassPrior as MassPrior
+from tsd_casadi.center_of_mass.mass_prior import NOISE, MassPrior
 from tsd_casadi.center_of_mass.static_chain import StaticChain
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import Robot

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from tsd_casadi.center_of_mass.fit import NOISE, fit_correction
+from tsd_casadi.center_of_mass.fit import fit_correction
+from tsd_casadi.center_of_mass.mass_prior import NOISE
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.simulator.static_poses import collect, with_noise

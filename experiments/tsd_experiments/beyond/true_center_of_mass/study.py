@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
-from tsd_casadi.center_of_mass.fit import MassPrior, StaticPose, fit_correction, prior_correction
+from tsd_casadi.center_of_mass.fit import StaticPose, fit_correction, prior_correction
+from tsd_casadi.center_of_mass.mass_prior import MassPrior
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.database.database import Database
 from tsd_casadi.motions.motion import Motion
