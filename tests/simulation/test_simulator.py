@@ -32,6 +32,7 @@ from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.repetition.repetition import EXTRA_LAPS, HOLD
 from tsd_casadi.tick.format import Status, TickFormat
 from tsd_clients import MujocoSimulator
+from tsd_clients.logs.log_file import save_log
 from tsd_clients.simulator.disturbances import Disturbance, Push
 from tsd_clients.simulator.effects import EFFECTS
 from tsd_clients.simulator.mujoco_plant import TIMESTEP
@@ -541,7 +542,7 @@ def test_a_fallen_run_can_be_summarised_and_saved(fallen: Run, tmp_path: Path) -
     summary = json.loads(json.dumps(fallen.summary()))
     assert summary["fell"] is True
     assert summary["laps_measured"] == 0
-    fallen.save_log(tmp_path / "log.npz")
+    save_log(fallen, tmp_path / "log.npz")
     with np.load(tmp_path / "log.npz") as saved:
         assert len(saved["time"]) == fallen.ticks
 
