@@ -146,6 +146,8 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="of roles, signals and moments")
     parser.add_argument("--json", type=Path, help="write every cycle and the counts to this file")
     arguments = parser.parse_args()
+    # a shell has it ignored in the background, and so would the services until their first line
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     busy = arguments.load * len(os.sched_getaffinity(0))
     stops: list[Stop] = []
     try:
