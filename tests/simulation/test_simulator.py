@@ -674,3 +674,9 @@ def test_critical_gains_keep_the_damping_ratio() -> None:
 
 def test_a_fallen_run_does_not_look_perfect(fallen: Run) -> None:
     assert fallen.rms_error != 0.0
+
+
+def test_it_says_how_it_differs_from_the_robot(robot: Robot) -> None:
+    assert repr(MujocoSimulator(robot, 0.1, ["lag"])) == (
+        "<MujocoSimulator of hermes_lower: model error 0.1, by link 0; hardware lag>"
+    )
