@@ -32,8 +32,7 @@ class Stop:
         phase: 'starting', 'compiling' or 'serving', by what it had printed.
         signal: Number of the signal.
         moment: From the start of the process to the signal [s].
-        duration: From the signal to the end of the process [s]; None if it did not
-            end within ``PATIENCE``.
+        duration: From the signal to the end of the process [s]; None for no end.
         exit_code: Negative where a signal ended it.
         traceback: What a user should never see: 'ours', 'python' if the interpreter
             had not come to our first line yet, or empty.
@@ -55,23 +54,18 @@ class Stop:
 
 
 class RunningService:
-    """A service as a process of a session of its own, which can be asked while it serves."""
+    """A service as a process of a session of its own, which is asked while it serves."""
 
-    def __init__(self, role: str, cache: Path, folder: Path) -> None:
-        """Start it.
-
-        Args:
-            cache: Folder of compiled controllers; empty if it is to compile.
-            folder: Empty folder for its other files.
-        """
+    def __init__(self, role: str, cache: Path, folder: str) -> None:
+        """Start it with a cache, empty if it is to compile, and an empty folder."""
         self.role = role
         self._cache = cache
-        self._temporary = folder / "temporary"
+        self._temporary = Path(folder) / "temporary"
         self._temporary.mkdir()
         self.endpoint = free_endpoint()
         options = ["--listen", self.endpoint]
         if role == "learner":
-            options += ["--database", str(folder / "feedforward.sqlite")]
+            options += ["--database", str(Path(folder) / "feedforward.sqlite")]
         self.started = time.monotonic()
         self.process = subprocess.Popen(
             [sys.executable, "-m", "tsd_server", role, *options],
@@ -89,6 +83,17 @@ class RunningService:
         self._asking = threading.Thread(target=self._ask)
         self._reading.start()
         self._asking.start()
+
+    def __enter__(self) -> RunningService:
+        """Use as a context manager."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End what still runs, whatever happened."""
+        self.process.kill()
+        self.process.wait()
+        self._reading.join()
+        self._asking.join()
 
     def _read(self) -> None:
         assert self.process.stdout is not None
@@ -182,17 +187,13 @@ def start_and_stop(role: str, cache: Path, number: int, delay: float) -> Stop:
         cache: Folder of compiled controllers.
         delay: From the start to the signal [s].
     """
-    with tempfile.TemporaryDirectory(prefix="tsd-signals-") as folder:
-        service = RunningService(role, cache, Path(folder))
+    with tempfile.TemporaryDirectory() as folder, RunningService(role, cache, folder) as service:
         time.sleep(delay)
         return service.stop(number)
 
 
 def time_to_ready(role: str, cache: Path) -> float:
     """Measure how long a service takes to be ready [s]; arguments as above."""
-    with tempfile.TemporaryDirectory(prefix="tsd-signals-") as folder:
-        service = RunningService(role, cache, Path(folder))
+    with tempfile.TemporaryDirectory() as folder, RunningService(role, cache, folder) as service:
         service.is_ready.wait()
-        taken = time.monotonic() - service.started
-        service.stop(signal.SIGTERM)
-    return taken
+        return time.monotonic() - service.started
