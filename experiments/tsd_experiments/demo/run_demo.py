@@ -11,7 +11,7 @@ from typing import Any
 
 from matplotlib import pyplot as plt
 
-from tsd_casadi.exceptions import TsdError
+from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.version import __version__
@@ -40,7 +40,7 @@ def run_demo(robot: Robot, out: Path, seed: int = 0, plan: Plan = PLAN) -> dict[
         The summary.
 
     Raises:
-        InvalidValue: If the robot cannot do one of the squats.
+        InvalidValue: If the robot cannot do one of the squats, or the folder be written.
         TsdError: If a service does not start or a run fails.
     """
     start = monotonic()
@@ -49,7 +49,11 @@ def run_demo(robot: Robot, out: Path, seed: int = 0, plan: Plan = PLAN) -> dict[
     try:
         (out / "logs").mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise TsdError(f"cannot write to {out}: {error}; choose another with --out") from error
+        raise InvalidValue(
+            "the folder for results",
+            f"'{out}' ({error.strerror})",
+            "one that you may write to; choose another with --out",
+        ) from error
     written: list[Future[None]] = []
 
     # compressing a log takes half a second, which the next run does not need to wait

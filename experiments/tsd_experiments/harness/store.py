@@ -8,7 +8,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from tsd_casadi.exceptions import TsdError
+from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import Robot
 from tsd_experiments.harness.duration import Span
 from tsd_experiments.harness.job import Job, Result
@@ -26,14 +26,18 @@ class Store:
         """Open the folder, make it if need be.
 
         Raises:
-            TsdError: If it cannot be written.
+            InvalidValue: If it cannot be written.
         """
         self.folder = folder
         self.robot = robot
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise TsdError(f"cannot write to {folder}: {error}; choose another --out") from error
+            raise InvalidValue(
+                "the folder for results",
+                f"'{folder}' ({error.strerror})",
+                "one that you may write to; choose another with --out",
+            ) from error
 
     def load(self, job: Job) -> Result | None:
         """Read the result of a job that was finished with the same arguments."""
