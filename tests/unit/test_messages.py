@@ -171,7 +171,9 @@ def test_what_iterations_leave_comes_back_as_it_was() -> None:
 
 
 def test_every_message_class_is_tested_here() -> None:
-    assert set(Document.__subclasses__()) == set(CLASSES)
+    # rows of a database are documents as well, and tested there
+    messages = {kind for kind in Document.__subclasses__() if ".database." not in kind.__module__}
+    assert messages == set(CLASSES)
 
 
 @pytest.mark.parametrize("message", SAMPLES, ids=lambda message: type(message).__name__)
