@@ -11,7 +11,7 @@ import pinocchio
 
 from tsd_casadi.costs.null_space_posture import DAMPING
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics, QuadraticProgram
-from tsd_casadi.robot.robot_file import FRAME_AXES
+from tsd_casadi.robot.robot_file_sections import FRAME_AXES
 from tsd_casadi.state import Matrix, Vector
 
 EQUALITY = 5  # DAQP: active and immutable

@@ -29,7 +29,7 @@ from tsd_casadi.motions.squat import Squat
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.state import State, Vector
 from tsd_clients.console.progress import show_progress
-from tsd_clients.console.tables import console
+from tsd_clients.console.table import console
 from tsd_clients.simulator.simulator import MujocoSimulator
 
 PHASES = ("data", "factorisation", "solve")

@@ -9,7 +9,7 @@
 namespace pinocchio_casadi {
 
 // Built joint by joint from plain numbers, so that nothing of libpinocchio has
-// to be linked; every method returns a serialized casadi::Function.
+// to be linked; every method returns a serialised casadi::Function.
 class SymbolicModel {
  public:
   explicit SymbolicModel(const Eigen::Vector3d& gravity);

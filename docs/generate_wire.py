@@ -8,7 +8,7 @@ from pathlib import Path
 from tsd_casadi.document import json_schema
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
-from tsd_casadi.motions.parameter import TASK_PARAMETERS
+from tsd_casadi.motions.parameter import MOTION_PARAMETERS
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.tick.format import STATUS_MEANING
 from tsd_casadi.tick.layout import Layout
@@ -25,7 +25,7 @@ TARGET = Path(__file__).parent / "wire.md"
 
 
 def header_table() -> str:
-    """The tick's header."""
+    """Describe the tick's header."""
     lines = ["| byte | size | type | name | value |", "| ---: | ---: | --- | --- | --- |"]
     offset = 0
     for size, kind, name, meaning in HEADER_FIELDS:
@@ -35,7 +35,7 @@ def header_table() -> str:
 
 
 def layout_table(layout: Layout) -> str:
-    """The fields of a vector."""
+    """Describe the fields of a vector."""
     lines = [
         "| byte | float64 | size | name | unit | meaning |",
         "| ---: | ---: | ---: | --- | --- | --- |",
@@ -55,16 +55,16 @@ def layout_table(layout: Layout) -> str:
 
 
 def parameter_table() -> str:
-    """The task parameters."""
+    """Describe the parameters of the motions."""
     lines = [
-        "| task | parameter | unit | values | if left out |",
+        "| motion (`task`) | parameter | unit | values | if left out |",
         "| --- | --- | --- | --- | --- |",
     ]
-    for task, parameters in TASK_PARAMETERS.items():
+    for motion, parameters in MOTION_PARAMETERS.items():
         for item in parameters:
             default = "an error" if item.default is None else f"{item.default:g}"
             values = "positive" if item.positive else "any"
-            lines.append(f"| {task} | `{item.name}` | {item.unit} | {values} | {default} |")
+            lines.append(f"| {motion} | `{item.name}` | {item.unit} | {values} | {default} |")
     return "\n".join(lines)
 
 
@@ -84,7 +84,7 @@ def _subclasses(parent: type[TsdError]) -> set[type[TsdError]]:
 
 
 def generate() -> str:
-    """The whole page."""
+    """Write the whole page."""
     tick_format = InverseDynamics(load_robot(ROBOT)).format
     statuses = "\n".join(
         f"| {int(status)} | {status.name.lower()} | {text} |"
@@ -113,7 +113,7 @@ query also takes `kind=learned` (the exact entry, an error without one), `kind=g
 (Gaussian process regression over the other entries) and `extrapolate=true`; without `kind` the
 exact entry is taken where there is one.
 
-The task parameters of queries and recordings:
+The parameters of motions in queries and recordings; queries and messages call the motion `task`:
 
 {parameter_table()}
 

@@ -54,7 +54,7 @@ numbers = np.frombuffer(answer, dtype="<f8", offset=HEADER.size)
 
 
 def read(name: str) -> np.ndarray:
-    """A field of the reply."""
+    """Take a field out of the reply."""
     return numbers[reply[name]["offset"] :][: reply[name]["size"]]
 
 

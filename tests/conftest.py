@@ -8,19 +8,26 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+# before NumPy is loaded, and for the processes that tests start: several workers
+# with a thread per core each would wait for one another most of the time
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
 import pytest
 import yaml
 from hypothesis import settings
 
+import tsd_models
 from tsd_casadi import Controller, InverseDynamics, Robot, compile_controller, load_robot
 
 TESTS = Path(__file__).parent
 LAYERS = ("unit", "simulation", "services", "experiments", "acceptance")
 SHIPPED = "hermes_lower"
+MINI_BIPED = TESTS / "robots" / "mini_biped" / "mini_biped.yaml"
+ROBOTS = {**tsd_models.robot_files(), "mini_biped": MINI_BIPED}
 
 # the same examples at every run
 settings.register_profile(
-    "quick", max_examples=60, deadline=None, derandomize=True, database=None, print_blob=True
+    "quick", max_examples=100, deadline=None, derandomize=True, database=None, print_blob=True
 )
 # others at every run, and many of them
 settings.register_profile(
@@ -48,8 +55,13 @@ def robot() -> Robot:
 
 @pytest.fixture(scope="session")
 def mini_biped() -> Robot:
-    """A robot of a user: smaller, other names, not in the package."""
-    return load_robot(TESTS / "robots" / "mini_biped" / "mini_biped.yaml")
+    """A user's robot: smaller, of other joints and names, in no package."""
+    return load_robot(MINI_BIPED)
+
+
+@pytest.fixture(scope="session", params=ROBOTS)
+def any_robot(request: pytest.FixtureRequest) -> Robot:
+    return load_robot(ROBOTS[request.param])
 
 
 @pytest.fixture(scope="session")

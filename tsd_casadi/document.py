@@ -24,7 +24,7 @@ class Document(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     def encode(self) -> bytes:
-        """The message as UTF-8 JSON."""
+        """Write the message as UTF-8 JSON."""
         return self.model_dump_json().encode()
 
     @classmethod
@@ -64,12 +64,11 @@ class Document(BaseModel):
 
 
 def to_matrix(name: str, rows: list[list[float]], shape: tuple[int, int]) -> Matrix:
-    """An array of rows, checked for its shape.
+    """Make an array of rows, checked for its shape.
 
     Args:
-        name: Name of the field, for the error.
-        rows: The rows.
-        shape: Their number and length.
+        name: Of the field, for the error.
+        shape: Number and length of the rows.
 
     Raises:
         MalformedMessage: If the shape is another one.
@@ -80,9 +79,5 @@ def to_matrix(name: str, rows: list[list[float]], shape: tuple[int, int]) -> Mat
 
 
 def json_schema(kind: type[Document]) -> str:
-    """JSON schema of a message, for the docs.
-
-    Args:
-        kind: The message's class.
-    """
+    """Write the JSON schema of a class of messages, for the docs."""
     return json.dumps(kind.model_json_schema(), indent=2)

@@ -24,3 +24,9 @@ class State:
 
     q: Vector
     v: Vector
+
+    def __repr__(self) -> str:
+        """Say where the base is, how many joints there are and whether it moves."""
+        base = " ".join(f"{x:.3f}" for x in self.q[:3])
+        speed = float(np.linalg.norm(self.v))
+        return f"<State: base at {base} m, {len(self.q) - 7} joints, |v| {speed:.3g}>"

@@ -1,1 +1,4 @@
-"""The experiments of the paper and those that question it."""
+"""The experiments: the paper's figures, questions beyond them, comparisons, and a demo.
+
+``harness`` runs what they are made of, ``report`` writes what was found.
+"""

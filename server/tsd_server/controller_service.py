@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 
 import zenoh
@@ -14,7 +15,7 @@ from tsd_casadi.version import __version__
 from tsd_casadi.wire.info import InfoMessage
 from tsd_casadi.wire.keys import info_key, tick_key
 from tsd_casadi.wire.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
-from tsd_server.service import Service, reply_json
+from tsd_server.service import Service, reply_json, say
 
 BINARY = zenoh.Encoding.APPLICATION_OCTET_STREAM
 
@@ -35,25 +36,30 @@ class ControllerService:
         compiling, and queries wait until the service is ready.
 
         Args:
-            robot: The robot.
             listen: Endpoints to listen on.
 
         Raises:
             EndpointTaken: If it cannot listen there.
             CompilerNotFound: If there is nothing to compile with.
         """
+        self._robot = robot
         self._service = Service("controller", robot.name, listen, low_latency=True)
         try:
-            self.controller: Controller = compile_controller(robot)
+            self.controller: Controller = compile_controller(robot, self._tell_compiling)
         except BaseException:
             self._service.__exit__(None, None, None)
             raise
         self.ticks_served = 0
         self.ticks_refused = 0
-        self._robot = robot
         self._format = self.controller.format
         self._layout = self._format.layout_hash
         self._key = tick_key(robot.name)
+
+    def _tell_compiling(self) -> None:
+        say(
+            f"compiling the controller of {self._robot.name}: once on this machine, about 20 s",
+            sys.stderr,
+        )
 
     def run(self) -> None:
         """Serve until SIGINT or SIGTERM."""

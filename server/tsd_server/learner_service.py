@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -28,6 +29,8 @@ from tsd_server.service import Service, reply_json
 EVERY = "all"
 # some ten times the laps of the slowest squat [bytes]
 LARGEST_RECORDING = 50_000_000
+# the number of an entry, as large as SQLite's may be
+_ENTRY = re.compile(r"[0-9]{1,18}", re.ASCII)
 OPTIONS = ("task", "kind", "extrapolate")
 QUERY = "?task=squat;amplitude=0.05;frequency=0.25"
 REGION = "?task=squat;amplitude=0.02:0.08;frequency=0.2:0.6"
@@ -112,7 +115,7 @@ class LearnerService:
         if robot == ANY_ROBOT:
             raise MalformedMessage("a suggestion for any robot", "the robot's name in the key")
         texts = _texts(query, REGION)
-        task = texts.pop("task")
+        motion = texts.pop("task")
         region, fixed = {}, {}
         for name, text in texts.items():
             low, colon, high = text.partition(":")
@@ -120,8 +123,8 @@ class LearnerService:
                 region[name] = _number(name, low), _number(name, high)
             else:
                 fixed[name] = _number(name, text)
-        suggestion = self._open_database.suggest(task, robot=robot, region=region, **fixed)
-        message = SuggestionMessage.of(robot, task, suggestion)
+        suggestion = self._open_database.suggest(motion, robot=robot, region=region, **fixed)
+        message = SuggestionMessage.of(robot, motion, suggestion)
         reply_json(query, suggestion_key(robot), message.encode())
 
     def _record(self, query: zenoh.Query, robot: str) -> None:
@@ -134,8 +137,9 @@ class LearnerService:
             raise MalformedMessage(
                 f"a recording of {len(payload)} bytes", f"at most {LARGEST_RECORDING}"
             )
-        recording = RecordMessage.decode(payload).recording(robot)
-        entry, notes = self._open_database.record(recording)
+        message = RecordMessage.decode(payload)
+        recording = message.recording(robot)
+        entry, notes = self._open_database.record(recording, message.instruction())
         reply = RecordReply(entry=EntryMessage.of(entry), notes=notes)
         reply_json(query, record_key(robot), reply.encode())
 
@@ -143,7 +147,7 @@ class LearnerService:
         forgotten = None
         forget = query.parameters.get("forget")
         if forget is not None:
-            if not str(forget).isdigit():
+            if _ENTRY.fullmatch(str(forget)) is None:
                 raise InvalidValue("forget", repr(str(forget)), "the number of an entry")
             forgotten = EntryMessage.of(self._open_database.forget(int(forget)))
         entries = self._open_database.entries(None if robot == ANY_ROBOT else robot)
@@ -157,7 +161,7 @@ class LearnerService:
 
 
 def _texts(query: zenoh.Query, example: str) -> dict[str, str]:
-    """The selector's parameters, a task among them."""
+    """Read the selector's parameters, the motion among them as 'task'."""
     # the stub does not know that Parameters iterate over pairs
     pairs = list(dict(query.parameters).items())  # type: ignore[call-overload]
     texts = {str(name): str(value) for name, value in pairs}
@@ -167,9 +171,9 @@ def _texts(query: zenoh.Query, example: str) -> dict[str, str]:
 
 
 def _number(name: str, text: str) -> float:
-    """A task parameter; whether it makes sense is for the database to say."""
+    """Read a parameter of a motion; whether it makes sense is for the database to say."""
     if name in RESERVED:
-        raise InvalidValue(f"parameter '{name}'", repr(text), "the name of a task parameter")
+        raise InvalidValue(f"parameter '{name}'", repr(text), "the name of a motion's parameter")
     try:
         return float(text)
     except ValueError:

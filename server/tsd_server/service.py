@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import secrets
-import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterable, Sequence
-from types import FrameType, TracebackType
-from typing import Any
+from contextlib import suppress
+from types import TracebackType
+from typing import Any, TextIO
 
 import zenoh
 from zenoh.handlers import RingChannel
@@ -17,9 +18,12 @@ from tsd_casadi.exceptions import EndpointTaken, TsdError
 from tsd_casadi.wire.endpoints import check_endpoint, configure_runtime, session_settings
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import alive_key
+from tsd_server.stop_signals import StopSignals
 
 JSON = zenoh.Encoding.APPLICATION_JSON
 WAITING_QUERIES = 64
+# how long closing may take: a client that is frozen with a full pipe blocks it [s]
+CLOSING = 1.0
 
 Answer = Callable[[zenoh.Query], None]
 
@@ -54,9 +58,9 @@ class Service:
         self._role = role
         self._robot = robot
         self._listen = [check_endpoint(endpoint) for endpoint in listen]
-        self._stop = threading.Event()
+        self._closing = False
         self._threads: list[threading.Thread] = []
-        self._queryables: list[object] = []
+        self._declared: list[object] = []  # undeclared when forgotten
         self._failure: BaseException | None = None
         configure_runtime()
         zenoh.init_log_from_env_or("off")
@@ -67,6 +71,7 @@ class Service:
             self.session = zenoh.open(config)
         except zenoh.ZError as error:
             raise EndpointTaken(role, ", ".join(self._listen), _reason(error)) from error
+        self._signals = StopSignals()
 
     def __enter__(self) -> Service:
         """Use as a context manager."""
@@ -78,11 +83,14 @@ class Service:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Stop the threads and close the session."""
-        self._stop.set()
-        self.session.close()  # type: ignore[no-untyped-call]
-        for thread in self._threads:
-            thread.join(timeout=1.0)
+        """Close the session and wait for the answers under way, but not for long."""
+        self._closing = True
+        end = time.monotonic() + CLOSING
+        closing = threading.Thread(target=self.session.close, daemon=True)
+        closing.start()
+        for thread in (closing, *self._threads):
+            thread.join(max(0.0, end - time.monotonic()))
+        self._signals.close()
 
     def answer(self, key: str, answer: Answer) -> None:
         """Answer the queries on a key, one after another.
@@ -92,14 +100,13 @@ class Service:
         would wait with it, keep-alives would stop and every client be cut off.
 
         Args:
-            key: The key.
             answer: Replies to one query; a TsdError it raises becomes an error
                 reply.
         """
         queryable: Any = self.session.declare_queryable(
             key, RingChannel(WAITING_QUERIES), complete=True
         )
-        self._queryables.append(queryable)  # undeclared when forgotten
+        self._declared.append(queryable)
         thread = threading.Thread(target=self._loop, args=(queryable, answer), daemon=True)
         self._threads.append(thread)
         thread.start()
@@ -113,27 +120,23 @@ class Service:
         Raises:
             TsdError: If answering failed in a way that is no client's fault.
         """
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._on_signal)
-        token = self.session.liveliness().declare_token(alive_key(self._robot, self._role))
-        for endpoint in self._listen:
-            print(f"{self._role} ready on {endpoint}: {description}", flush=True)
-        self._stop.wait()
-        token.undeclare()  # type: ignore[no-untyped-call]
+        token = alive_key(self._robot, self._role)
+        with self._signals:
+            self._declared.append(self.session.liveliness().declare_token(token))
+            for endpoint in self._listen:
+                say(f"{self._role} ready on {endpoint}: {description}", sys.stdout)
+            self._signals.wait()
         if self._failure is not None:
             raise self._failure
-
-    def _on_signal(self, number: int, frame: FrameType | None) -> None:
-        self._stop.set()
 
     def _loop(self, queries: Iterable[zenoh.Query], answer: Answer) -> None:
         try:
             for query in queries:  # ends when the session is closed
                 self._answer_one(query, answer)
         except BaseException as error:
-            if not self._stop.is_set():
+            if not self._closing:
                 self._failure = error
-                self._stop.set()
+                self._signals.wake()
 
     def _answer_one(self, query: zenoh.Query, answer: Answer) -> None:
         with query:
@@ -147,7 +150,18 @@ class Service:
                     code="internal", message=f"{self._role} failed: {type(error).__name__}: {error}"
                 )
                 query.reply_err(message.encode(), encoding=JSON)
-                print(message.message, file=sys.stderr, flush=True)
+                say(message.message, sys.stderr)
+
+
+def say(text: str, stream: TextIO) -> None:
+    """Tell the user; that nobody reads it is no reason to stop serving.
+
+    Args:
+        text: One line.
+        stream: Standard output or error.
+    """
+    with suppress(OSError, ValueError):
+        print(text, file=stream, flush=True)
 
 
 def _reason(error: Exception) -> str:
@@ -162,7 +176,6 @@ def reply_json(query: zenoh.Query, key: str, body: bytes) -> None:
     """Answer a query with JSON.
 
     Args:
-        query: The query.
         key: Key of the reply, without wildcards.
         body: UTF-8 JSON.
     """

@@ -11,7 +11,8 @@ import threading
 from collections.abc import Sequence
 from queue import Empty, Queue
 
-from tsd_casadi.exceptions import TsdError
+from tsd_casadi.exceptions import ServiceNotReady
+from tsd_server.end_at_once import STOPPING
 
 PR_SET_PDEATHSIG = 1
 
@@ -32,7 +33,7 @@ class ServiceProcess:
             patience: How long to wait [s]; the first start compiles.
 
         Raises:
-            TsdError: If it ends or does not get ready in time; the message is
+            ServiceNotReady: If it ends or does not get ready in time; the message is
                 what it printed.
         """
         self.output: list[str] = []
@@ -41,7 +42,7 @@ class ServiceProcess:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            preexec_fn=_die_with_parent if sys.platform == "linux" else None,
+            preexec_fn=_before_python,
         )
         self._lines: Queue[str | None] = Queue()
         threading.Thread(target=self._read, daemon=True).start()
@@ -75,9 +76,10 @@ class ServiceProcess:
 
     def _read(self) -> None:
         assert self.process.stdout is not None
-        for line in self.process.stdout:
-            self.output.append(line.rstrip())
-            self._lines.put(line)
+        with self.process.stdout as lines:
+            for line in lines:
+                self.output.append(line.rstrip())
+                self._lines.put(line)
         self._lines.put(None)
 
     def _wait_until_ready(self, patience: float) -> None:
@@ -85,21 +87,27 @@ class ServiceProcess:
             try:
                 line = self._lines.get(timeout=patience)
             except Empty:
-                raise TsdError(f"the service was not ready after {patience:g} s") from None
+                raise ServiceNotReady(f"the service was not ready after {patience:g} s") from None
             if line is None:
                 printed = "\n".join(self.output) or "nothing"
-                raise TsdError(f"the service ended before it was ready; it printed: {printed}")
+                raise ServiceNotReady(
+                    f"the service ended before it was ready; it printed: {printed}"
+                )
             if " ready on " in line:
                 return
 
 
 def free_endpoint() -> str:
-    """A loopback endpoint with a port that is free now."""
+    """Find a loopback endpoint with a port that is free now."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
 
 
-def _die_with_parent() -> None:
-    # the kernel tells the child when its parent is gone, even by SIGKILL
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+def _before_python() -> None:
+    # Ctrl-C reaches the whole terminal: the interpreter must not print a traceback before
+    # the service's first line, which lets signals through again
+    signal.pthread_sigmask(signal.SIG_BLOCK, STOPPING)
+    if sys.platform == "linux":
+        # the kernel tells the child when its parent is gone, even by SIGKILL
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)

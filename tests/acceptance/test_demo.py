@@ -7,10 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tsd_casadi import load_robot
+from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import InvalidValue, SimulationError
-from tsd_experiments import demo
-from tsd_server import service_process
+from tsd_clients import MujocoSimulator
+from tsd_experiments.demo.plan import Plan, file_name
+from tsd_experiments.demo.run_demo import run_demo
+from tsd_experiments.harness import services
+from tsd_server.service_process import ServiceProcess
 
 FIELDS = {
     "label", "task", "amplitude_m", "frequency_hz", "model_error", "p_scale", "feedforward",
@@ -33,10 +36,10 @@ def check_summary(out: Path) -> None:
     logs = sorted((out / "logs").glob("*.npz"))
     assert len(logs) == len(summary["runs"])
     for run in summary["runs"]:
-        log = np.load(out / "logs" / f"{demo._file_name(run['label'])}.npz")
+        log = np.load(out / "logs" / f"{file_name(run['label'])}.npz")
         error = log["error"][log["measured"]]
         assert np.sqrt(np.mean(error**2)) == pytest.approx(run["rms_error_m"])
-    for figure in ("com_error.png", "feedback.png", "generalisation.png"):
+    for figure in ("com_error.png", "feedback.png", "generalization.png"):
         assert (out / figure).stat().st_size > 10_000
 
 
@@ -44,7 +47,7 @@ def check_summary(out: Path) -> None:
 def test_demo_reaches_its_goals(tmp_path: Path) -> None:
     start = time.monotonic()
     done = subprocess.run(
-        [sys.executable, "-m", "tsd_cli.command_line", "demo", "--out", str(tmp_path)],
+        [sys.executable, "-m", "tsd_cli", "demo", "--out", str(tmp_path)],
         capture_output=True,
         text=True,
         timeout=900,
@@ -65,44 +68,42 @@ def test_demo_reaches_its_goals(tmp_path: Path) -> None:
     assert none["mean_abs_feedback"] >= 80 * first["mean_abs_feedback"]
     assert none["rms_error_m"] >= 20 * runs["3 cm, P/5, learned, iteration 1"]["rms_error_m"]
     assert none["ac_rms_error_m"] < 5 * runs["3 cm, constant"]["ac_rms_error_m"]
-    generalised = runs["5 cm, generalised"]["ac_rms_error_m"]
-    assert generalised <= 1.5 * runs["5 cm, learned, iteration 2"]["ac_rms_error_m"]
-    assert generalised <= 0.3 * runs["5 cm, nearest entry as it is"]["ac_rms_error_m"]
+    generalized = runs["5 cm, generalised"]["ac_rms_error_m"]
+    assert generalized <= 1.5 * runs["5 cm, learned, iteration 2"]["ac_rms_error_m"]
+    assert generalized <= 0.3 * runs["5 cm, nearest entry as it is"]["ac_rms_error_m"]
     assert runs["3 cm, perfect model, none"]["rms_error_m"] < 2e-5
 
 
-def test_short_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(demo, "FREQUENCY", 1.0)
-    monkeypatch.setattr(demo, "AMPLITUDE", 0.01)
-    monkeypatch.setattr(demo, "DATABASE", (0.005, 0.012))
-    monkeypatch.setattr(demo, "NEAREST", 0.005)
-    monkeypatch.setattr(demo, "QUERIED", 0.008)
-    monkeypatch.setattr(demo, "ITERATIONS", 2)
-    demo.run_demo(load_robot("hermes_lower"), tmp_path)
+def test_short_demo(tmp_path: Path) -> None:
+    plan = Plan(
+        frequency=1.0, amplitude=0.01, database=(0.005, 0.012), queried=0.008, nearest=0.005
+    )
+    run_demo(load_robot("hermes_lower"), tmp_path, plan=plan)
     check_summary(tmp_path)
 
 
 def test_services_stop_when_a_run_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     started = []
-    original = service_process.ServiceProcess
+    original = services.ServiceProcess
 
-    def remember(arguments: list[str]) -> service_process.ServiceProcess:
+    def remember(arguments: list[str]) -> ServiceProcess:
         started.append(original(arguments))
         return started[-1]
 
     def fail(*_: object, **__: object) -> None:
         raise SimulationError("on purpose")
 
-    monkeypatch.setattr(service_process, "ServiceProcess", remember)
-    monkeypatch.setattr(demo.MujocoSimulator, "run", fail)
+    monkeypatch.setattr(services, "ServiceProcess", remember)
+    monkeypatch.setattr(MujocoSimulator, "run", fail)
     with pytest.raises(SimulationError, match="on purpose"):
-        demo.run_demo(load_robot("hermes_lower"), tmp_path)
+        run_demo(load_robot("hermes_lower"), tmp_path)
     assert len(started) == 2
     assert all(service.process.poll() == 0 for service in started)
 
 
-def test_robot_that_cannot_do_the_squats_is_told_before_anything_starts(tmp_path: Path) -> None:
-    small = Path(__file__).parents[1] / "robots" / "mini_biped" / "mini_biped.yaml"
+def test_robot_that_cannot_do_the_squats_is_told_before_anything_starts(
+    mini_biped: Robot, tmp_path: Path
+) -> None:
     with pytest.raises(InvalidValue, match=r"amplitude is 0\.06, expected .* for mini_biped"):
-        demo.run_demo(load_robot(small), tmp_path / "out")
+        run_demo(mini_biped, tmp_path / "out")
     assert not (tmp_path / "out").exists()

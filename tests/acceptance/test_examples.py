@@ -14,9 +14,9 @@ def test_ten_lines_learn_and_generalise() -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    first, without, generalised = done.stdout.splitlines()
+    first, without, generalized = done.stdout.splitlines()
     assert first.startswith("OK: knee torque")
     assert without.startswith("without")
-    assert generalised.startswith("generalised")
-    before, after = (float(line.split()[-2]) for line in (without, generalised))
+    assert generalized.startswith("generalised")
+    before, after = (float(line.split()[-2]) for line in (without, generalized))
     assert before > 50 * after

@@ -19,9 +19,9 @@ import pytest
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.generalization.weight_regression import WeightRegression
-from tsd_experiments.beyond.parameter_grid import LEARNED
-from tsd_experiments.harness.experiment import Goal
-from tsd_experiments.run import EXPERIMENTS
+from tsd_experiments.beyond.two_parameters.grid import GRID
+from tsd_experiments.harness.section import Goal
+from tsd_experiments.reproduce import EXPERIMENTS
 
 # of the full form, which takes too long for a test; the quick one is done here
 FULL = Path("results/paper")
@@ -82,8 +82,8 @@ def _grid(data: Data, source: str) -> float:
 def _coverage(data: Data) -> float:
     """Points of the held-out curves inside the band, in percent."""
     entries = _points(data, "entry")
-    learned = {name: point for name, point in entries.items() if point in LEARNED}
-    held_out = {name: point for name, point in entries.items() if point not in LEARNED}
+    learned = {name: point for name, point in entries.items() if point in GRID.learned}
+    held_out = {name: point for name, point in entries.items() if point not in GRID.learned}
     assert len(learned) == 12 and len(held_out) >= 30
     basis = PeriodicBasis()
     weights = [data.last_weights(f"grid-entry-{name}") for name in learned]
@@ -199,7 +199,7 @@ def check_summary(folder: Path) -> dict[str, Any]:
 def quick(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("reproduction")
     start = time.monotonic()
-    command = [sys.executable, "-m", "tsd_cli.command_line", "reproduce", "--quick"]
+    command = [sys.executable, "-m", "tsd_cli", "reproduce", "--quick"]
     done = subprocess.run(
         [*command, "--out", str(folder), "--page", str(folder / "page.md")],
         capture_output=True,
@@ -250,14 +250,14 @@ def test_report_has_every_experiment_and_is_self_contained(quick: Path) -> None:
 def test_second_run_repeats_nothing(quick: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in (quick / "data").glob("*.json")}
     start = time.monotonic()
-    command = [sys.executable, "-m", "tsd_cli.command_line", "reproduce", "--quick"]
+    command = [sys.executable, "-m", "tsd_cli", "reproduce", "--quick"]
     subprocess.run([*command, "--out", str(quick)], check=True, capture_output=True, timeout=300)
     assert time.monotonic() - start < 120
     assert {path: path.stat().st_mtime_ns for path in (quick / "data").glob("*.json")} == before
 
 
 def test_an_interrupted_run_ends_at_once_and_says_how_to_go_on(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tsd_cli.command_line", "reproduce", "--quick"]
+    command = [sys.executable, "-m", "tsd_cli", "reproduce", "--quick"]
     started = subprocess.Popen(
         [*command, "--figure", "4", "--out", str(tmp_path)],
         stderr=subprocess.PIPE,

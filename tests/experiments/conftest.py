@@ -7,7 +7,7 @@ import pytest
 
 from tsd_casadi import Controller, Robot
 from tsd_experiments.harness.experiment import Experiment
-from tsd_experiments.harness.jobs import Result
+from tsd_experiments.harness.job import Result
 
 
 @pytest.fixture(scope="session")

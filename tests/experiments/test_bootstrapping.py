@@ -8,7 +8,7 @@ from matplotlib import pyplot as plt
 
 from tsd_experiments.beyond.bootstrapping import Bootstrapping
 from tsd_experiments.harness.experiment import Experiment
-from tsd_experiments.harness.jobs import Result
+from tsd_experiments.harness.job import Result
 
 
 def test_an_easier_squat_helps_a_hard_one(

@@ -8,8 +8,8 @@ import pytest
 
 from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
-from tsd_experiments.harness.experiment import Goal, millimetres
-from tsd_experiments.run import EXPERIMENTS, check_cases, choose_experiments
+from tsd_experiments.harness.section import Goal, millimeters
+from tsd_experiments.reproduce import EXPERIMENTS, check_cases, choose_experiments
 
 
 @pytest.mark.parametrize(
@@ -71,6 +71,6 @@ def test_first_jobs_have_unique_names_and_are_stable(quick: bool) -> None:
     assert jobs == again
 
 
-def test_millimetres() -> None:
-    assert millimetres(0.0123456) == "12.346"
-    assert millimetres(None) == "–"
+def test_millimeters() -> None:
+    assert millimeters(0.0123456) == "12.346"
+    assert millimeters(None) == "–"

@@ -9,16 +9,15 @@ import pytest
 
 from tsd_casadi import Controller, Robot, Squat, load_robot
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.identification.inertias import (
-    Observations,
+from tsd_casadi.identification.inertias import identify_inertias, identify_with_friction
+from tsd_casadi.identification.observations import Observations
+from tsd_casadi.identification.physical_consistency import pseudo_inertia
+from tsd_casadi.identification.regressor import (
     free_motions,
     friction_rows,
-    identify_inertias,
-    identify_with_friction,
     inertial_rows,
     nominal_parameters,
 )
-from tsd_casadi.identification.physical_consistency import pseudo_inertia
 from tsd_clients import MujocoSimulator
 from tsd_experiments.comparison.baselines.friction_feedforward import FrictionFeedforward
 from tsd_experiments.comparison.baselines.motion_recorder import MotionRecorder, observe
@@ -63,12 +62,12 @@ def synthetic(
         q = pinocchio.integrate(model, robot.home.q, rng.uniform(-0.4, 0.4, model.nv))
         v, a = rng.normal(size=model.nv), 3 * rng.normal(size=model.nv)
         J = contact_jacobian(robot, q)
-        generalised = pinocchio.rnea(model, data, q, v, a)
+        generalized = pinocchio.rnea(model, data, q, v, a)
         # wrenches that carry the base, and others that press the feet together
-        wrench = np.linalg.lstsq(J[:, :6].T, generalised[:6], rcond=None)[0]
+        wrench = np.linalg.lstsq(J[:, :6].T, generalized[:6], rcond=None)[0]
         null = np.linalg.svd(J[:, :6].T)[2][6:]
         wrench += null.T @ rng.normal(scale=50, size=len(null))
-        tau = generalised[6:] - J[:, 6:].T @ wrench
+        tau = generalized[6:] - J[:, 6:].T @ wrench
         tau += viscous * v[6:] + coulomb * np.sign(v[6:])
         rows.append((q, v, a, tau))
     return Observations(*(np.array(column) for column in zip(*rows, strict=True)))

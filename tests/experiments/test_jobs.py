@@ -10,10 +10,15 @@ import pytest
 
 from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import SimulationError, TsdError
-from tsd_experiments.harness.case import Outcome
-from tsd_experiments.harness.experiment import Done, Experiment, Section
-from tsd_experiments.harness.jobs import Job, Result, Store, run_jobs
-from tsd_experiments.run import run_all
+from tsd_experiments.harness.experiment import Done, Experiment
+from tsd_experiments.harness.job import Job, Result
+from tsd_experiments.harness.learn_case import learn_case
+from tsd_experiments.harness.outcome import Outcome
+from tsd_experiments.harness.replay_case import replay_case
+from tsd_experiments.harness.run_jobs import run_jobs
+from tsd_experiments.harness.section import Section
+from tsd_experiments.harness.store import Store
+from tsd_experiments.reproduce import run_all
 
 SPAN = (1000.0, 1002.5)
 
@@ -29,7 +34,7 @@ def outcome() -> Outcome:
 
 
 def test_saved_outcome_is_loaded_as_it_was(store: Store, outcome: Outcome) -> None:
-    job = Job("one", "work:replay", {"case": {"amplitude": 0.03}})
+    job = Job("one", replay_case, {"case": {"amplitude": 0.03}})
     store.save(job, outcome, SPAN)
     result = store.load(job)
     assert result is not None
@@ -42,14 +47,14 @@ def test_saved_outcome_is_loaded_as_it_was(store: Store, outcome: Outcome) -> No
 @pytest.mark.parametrize(
     "other",
     [
-        Job("one", "work:replay", {"case": {"amplitude": 0.04}}),
-        Job("one", "work:learn", {"case": {"amplitude": 0.03}}),
-        Job("one", "work:replay", {"case": {"amplitude": 0.03}}, over_network=True),
-        Job("two", "work:replay", {"case": {"amplitude": 0.03}}),
+        Job("one", replay_case, {"case": {"amplitude": 0.04}}),
+        Job("one", learn_case, {"case": {"amplitude": 0.03}}),
+        Job("one", replay_case, {"case": {"amplitude": 0.03}}, over_network=True),
+        Job("two", replay_case, {"case": {"amplitude": 0.03}}),
     ],
 )
 def test_results_of_other_jobs_are_not_taken(store: Store, outcome: Outcome, other: Job) -> None:
-    store.save(Job("one", "work:replay", {"case": {"amplitude": 0.03}}), outcome, SPAN)
+    store.save(Job("one", replay_case, {"case": {"amplitude": 0.03}}), outcome, SPAN)
     assert store.load(other) is None
 
 
@@ -58,7 +63,7 @@ def test_results_of_other_jobs_are_not_taken(store: Store, outcome: Outcome, oth
 def test_damaged_results_are_done_again(
     store: Store, outcome: Outcome, suffix: str, damage: str
 ) -> None:
-    job = Job("one", "work:replay")
+    job = Job("one", replay_case)
     store.save(job, outcome, SPAN)
     path = store.folder / f"one.{suffix}"
     content = path.read_bytes()
@@ -68,12 +73,16 @@ def test_damaged_results_are_done_again(
     assert store.load(job) is None
 
 
+def refuse(*_: Any, **__: Any) -> Outcome:
+    raise SimulationError("it was run again")
+
+
 def test_finished_jobs_are_not_run_again(store: Store, outcome: Outcome) -> None:
     class Stages(Experiment):
         name = "stages"
 
         def jobs(self, done: Done) -> list[Job]:
-            first, second = (Job(name, "no_such_module:function") for name in ("one", "two"))
+            first, second = (Job(name, refuse) for name in ("one", "two"))
             return [first, second] if "one" in done else [first]
 
         def report(self, done: Done) -> Section:
@@ -81,18 +90,18 @@ def test_finished_jobs_are_not_run_again(store: Store, outcome: Outcome) -> None
 
     experiment = Stages(quick=True)
     for name in ("one", "two"):
-        store.save(Job(name, "no_such_module:function"), outcome, SPAN)
+        store.save(Job(name, refuse), outcome, SPAN)
     done = run_all([experiment], store)
     assert done.keys() == {"one", "two"}
     assert done["two"].row("replay")["rms_error_m"] == 0.25
     (store.folder / "two.json").unlink()
-    with pytest.raises(ModuleNotFoundError, match="no_such_module"):
+    with pytest.raises(SimulationError, match="it was run again"):
         run_all([experiment], store)
 
 
 def test_a_job_runs_in_a_process_of_its_own_and_is_kept(store: Store) -> None:
     case = {"amplitude": 0.01, "frequency": 1.0, "laps": 2, "hardware": []}
-    job = Job("replay", "work:replay", {"case": case, "weights": None, "kind": "none"}, cost=3.0)
+    job = Job("replay", replay_case, {"case": case, "weights": None, "kind": "none"}, cost=3.0)
     seen: list[tuple[float, float]] = []
     results = run_jobs([job], store, lambda done, total: seen.append((done, total)))
     row: dict[str, Any] = results["replay"].row("replay")
@@ -110,7 +119,7 @@ def test_a_job_runs_in_a_process_of_its_own_and_is_kept(store: Store) -> None:
 
 
 def test_errors_of_a_job_are_told(store: Store) -> None:
-    job = Job("broken", "work:replay", {"case": {"amplitude": -1.0, "hardware": []}})
+    job = Job("broken", replay_case, {"case": {"amplitude": -1.0, "hardware": []}})
     with pytest.raises(TsdError, match="amplitude"):
         run_jobs([job], store, lambda done, total: None)
     assert store.load(job) is None
@@ -125,7 +134,7 @@ def test_a_folder_that_cannot_be_made_is_refused(robot: Robot, tmp_path: Path) -
 def test_older_arrays_are_never_found_beside_newer_descriptions(
     store: Store, outcome: Outcome, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    job = Job("one", "work:replay")
+    job = Job("one", replay_case)
     store.save(job, outcome, SPAN)
 
     def full(*_: Any, **__: Any) -> None:
@@ -146,7 +155,7 @@ def test_the_last_iteration_is_not_the_stop() -> None:
 
 def test_another_scene_is_another_job(write_robot: Callable[..., Path]) -> None:
     robot = load_robot(write_robot())
-    job = Job("one", "work:replay")
+    job = Job("one", replay_case)
     before = job.fingerprint(robot)
     scene = next(robot.path.parent.glob("*.xml"))
     scene.write_text(scene.read_text() + "<!-- harder ground -->")

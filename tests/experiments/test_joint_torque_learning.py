@@ -11,14 +11,13 @@ from tsd_casadi.exceptions import EntryNotFound, InvalidValue, SimulationError
 from tsd_casadi.motions.motion import Reference
 from tsd_casadi.repetition.compensator import Moment, Setting
 from tsd_clients import MujocoSimulator
+from tsd_experiments.comparison.baselines.generalize_torques import generalize_torques
 from tsd_experiments.comparison.baselines.joint_torque_learning import (
     FeedbackTorque,
-    LearnedTorque,
-    TorqueFeedforward,
     add_feedback,
-    generalise_torques,
     learn_joint_torques,
 )
+from tsd_experiments.comparison.baselines.torque_feedforward import LearnedTorque, TorqueFeedforward
 
 SQUAT = Squat(0.02, 1.0)
 
@@ -129,10 +128,10 @@ def test_generalised_torques_follow_the_amplitude() -> None:
         for A in (0.02, 0.04, 0.06, 0.08)
     ]
     asked = {"amplitude": 0.05, "frequency": 0.5}
-    predicted = generalise_torques("squat", learned, asked)
+    predicted = generalize_torques("squat", learned, asked)
     assert predicted.parameters == asked
     np.testing.assert_allclose(predicted.weights, 2.0 * shape, atol=0.03)
     with pytest.raises(EntryNotFound):
-        generalise_torques("squat", learned[:1], asked)
+        generalize_torques("squat", learned[:1], asked)
     with pytest.raises(InvalidValue, match="learned"):
-        generalise_torques("squat", [], asked)
+        generalize_torques("squat", [], asked)

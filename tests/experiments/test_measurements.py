@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tsd_experiments.harness.jobs import Result
+from tsd_experiments.harness.job import Result
 from tsd_experiments.harness.measurements import write_measurements
 
 SPAN = (0.0, 1.0)

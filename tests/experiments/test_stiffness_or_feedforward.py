@@ -14,13 +14,19 @@ from tsd_casadi import Controller, Robot, Squat
 from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.disturbances import Push
 from tsd_clients.simulator.mujoco_plant import MujocoPlant
-from tsd_experiments.beyond.stiffness.stiffness_or_feedforward import StiffnessOrFeedforward
-from tsd_experiments.beyond.stiffness.stiffness_runs import PUSH_DURATION, Stiffness, Witness
-from tsd_experiments.beyond.stiffness.stiffness_sweep import end_of, highest_stable, stiffness_for
-from tsd_experiments.beyond.stiffness.stiffness_tables import IMPULSE
+from tsd_experiments.beyond.stiffness_or_feedforward.disturb import PUSH_DURATION
+from tsd_experiments.beyond.stiffness_or_feedforward.experiment import StiffnessOrFeedforward
+from tsd_experiments.beyond.stiffness_or_feedforward.run_at import Stiffness
+from tsd_experiments.beyond.stiffness_or_feedforward.sweep_results import (
+    end_of,
+    highest_stable,
+    stiffness_for,
+)
+from tsd_experiments.beyond.stiffness_or_feedforward.tables import IMPULSE
+from tsd_experiments.beyond.stiffness_or_feedforward.witness import Witness
 from tsd_experiments.harness.case import Case
 from tsd_experiments.harness.experiment import Experiment
-from tsd_experiments.harness.jobs import Result
+from tsd_experiments.harness.job import Result
 
 
 def row(factor: float, error: float | None, stable: bool = True) -> dict[str, Any]:

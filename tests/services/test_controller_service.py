@@ -12,8 +12,7 @@ import pytest
 import zenoh
 
 import tsd_casadi as tsd
-from tsd_casadi.exceptions import ServiceError, ServiceUnreachable, TsdError, TwoServices
-from tsd_casadi.wire.endpoints import session_settings
+from tsd_casadi.exceptions import InvalidValue, ServiceNotReady, ServiceUnreachable, TwoServices
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import info_key, tick_key
 from tsd_casadi.wire.tick_message import HEADER, REPLY, REQUEST, pack_tick, unpack_tick
@@ -35,16 +34,6 @@ def endpoint(controller: tsd.Controller) -> Iterator[str]:
 def remote(robot: tsd.Robot, endpoint: str) -> Iterator[RemoteController]:
     with RemoteController(robot.name, [endpoint]) as remote:
         yield remote
-
-
-@pytest.fixture
-def raw_session(endpoint: str) -> Iterator[zenoh.Session]:
-    config = zenoh.Config()
-    for key, value in session_settings(connect=[endpoint]).items():
-        config.insert_json5(key, value)
-    with zenoh.open(config) as session:
-        time.sleep(0.5)
-        yield session
 
 
 def send(session: zenoh.Session, robot: str, payload: bytes | None) -> zenoh.Reply:
@@ -80,7 +69,7 @@ def test_info_counts_ticks(robot: tsd.Robot, remote: RemoteController) -> None:
         remote.tick(robot.home, remote.command())
     command = remote.command()
     command["com.P"] = np.nan
-    with pytest.raises(ServiceError, match=r"com\.P\[0\] is nan"):
+    with pytest.raises(InvalidValue, match=r"com\.P\[0\] is nan"):
         remote.tick(robot.home, command)
     after = remote.info()
     assert after.ticks_served - before.ticks_served == 7
@@ -167,6 +156,8 @@ def test_silent_controller_is_reported_within_seconds(robot: tsd.Robot) -> None:
     ):
         remote.tick(robot.home, remote.command())
         service.process.send_signal(signal.SIGSTOP)
+        # all of its threads; the signal alone is only under way
+        os.waitid(os.P_PID, service.process.pid, os.WSTOPPED)
         start = time.monotonic()
         try:
             with pytest.raises(ServiceUnreachable, match="tsd controller"):
@@ -187,7 +178,7 @@ def test_signal_ends_the_service_cleanly(number: signal.Signals) -> None:
 
 
 def test_taken_port_is_refused(endpoint: str) -> None:
-    with pytest.raises(TsdError, match=r"cannot listen on .* already in use.*--listen"):
+    with pytest.raises(ServiceNotReady, match=r"cannot listen on .* already in use.*--listen"):
         ServiceProcess(["controller", "--listen", endpoint])
 
 

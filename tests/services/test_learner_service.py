@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,9 +16,19 @@ import zenoh
 from tsd_casadi.database.database import Database
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
-from tsd_casadi.exceptions import ServiceError, ServiceUnreachable, TsdError, TwoServices
-from tsd_casadi.learning.recording import Context, Recording, TaskKey
-from tsd_casadi.wire.endpoints import session_settings
+from tsd_casadi.exceptions import (
+    EntryNotFound,
+    InvalidValue,
+    OutsideTrainedRange,
+    ServiceNotReady,
+    ServiceUnreachable,
+    TsdError,
+    TwoServices,
+)
+from tsd_casadi.learning.entry_key import EntryKey
+from tsd_casadi.learning.instruction import Instruction
+from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.rules.by_name import find_rule
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import feedforward_key, record_key, suggestion_key
 from tsd_casadi.wire.learner import RecordMessage
@@ -33,7 +44,7 @@ def recording_of(amplitude: float, error: float = 0.01) -> Recording:
     phase = np.linspace(0, 2 * np.pi, 500, endpoint=False)
     feedback = -0.7 + amplitude * np.sin(phase) + 3 * amplitude**2 * np.cos(2 * phase)
     return Recording(
-        key=TaskKey.of(ROBOT, "squat", ("com.z",), {"amplitude": amplitude, "frequency": 0.25}),
+        key=EntryKey.of(ROBOT, "squat", ("com.z",), {"amplitude": amplitude, "frequency": 0.25}),
         basis=basis,
         applied=np.zeros((1, basis.L)),
         laps=[Lap(phase, feedback[None, :])] * 2,
@@ -61,16 +72,6 @@ def endpoint(database: Path) -> Iterator[str]:
 def learner(endpoint: str) -> Iterator[RemoteLearner]:
     with RemoteLearner([endpoint]) as learner:
         yield learner
-
-
-@pytest.fixture
-def raw_session(endpoint: str) -> Iterator[zenoh.Session]:
-    config = zenoh.Config()
-    for key, value in session_settings(connect=[endpoint]).items():
-        config.insert_json5(key, value)
-    with zenoh.open(config) as session:
-        time.sleep(0.5)
-        yield session
 
 
 def ask(session: zenoh.Session, selector: str, payload: bytes | None = None) -> zenoh.Reply:
@@ -215,9 +216,8 @@ def test_height_may_be_left_out_and_may_be_negative(learner: RemoteLearner) -> N
     here = learner.query("squat", robot=ROBOT, **squat)
     assert learner.query("squat", robot=ROBOT, **squat, height=0.0).parameters == here.parameters
     assert here.parameters["height"] == 0.0
-    with pytest.raises(ServiceError, match=r"every learned squat has height 0 m") as caught:
+    with pytest.raises(EntryNotFound, match=r"every learned squat has height 0 m"):
         learner.query("squat", robot=ROBOT, **squat, height=-0.01)
-    assert caught.value.code == "not_found"
 
 
 @pytest.mark.parametrize("payload", [None, b"", b"{", b"[]", b'{"task": "squat"}', b"\xff\xfe"])
@@ -231,17 +231,56 @@ def test_bad_recording_is_refused_and_nothing_lost(
     assert learner.database().entries == before
 
 
+@pytest.mark.parametrize("number", ["x", "-1", "1.5", "²", "٣", "1" * 5000])
+def test_what_is_no_number_of_an_entry_is_refused(raw_session: zenoh.Session, number: str) -> None:
+    reply = ask(raw_session, f"tsd/*/learner/database?forget={number}")
+    assert reply.err is not None
+    assert ErrorMessage.decode(reply.err.payload.to_bytes()).code == "invalid_value"
+
+
+@pytest.mark.parametrize("key", ["**", "tsd/**", "tsd/$*lower/learner/database"])
+def test_a_key_for_more_than_one_question_is_refused(raw_session: zenoh.Session, key: str) -> None:
+    reply = ask(raw_session, key)
+    assert reply.err is not None
+    assert ErrorMessage.decode(reply.err.payload.to_bytes()).code in ("malformed", "invalid_value")
+
+
 def test_unknown_key_is_refused(raw_session: zenoh.Session) -> None:
     reply = ask(raw_session, f"tsd/{ROBOT}/learner/nonsense")
     assert reply.err is not None
     assert ErrorMessage.decode(reply.err.payload.to_bytes()).code == "malformed"
 
 
+@pytest.mark.parametrize(
+    ("kind", "motion", "options"),
+    [
+        (EntryNotFound, "squat", {"amplitude": 0.043, "kind": "learned"}),
+        (OutsideTrainedRange, "squat", {"amplitude": 0.5}),
+        (InvalidValue, "squat", {"amplitude": -0.05}),
+        (InvalidValue, "squat", {}),
+        (InvalidValue, "squat", {"amplitude": 0.05, "nonsense": 1.0}),
+        (EntryNotFound, "somersault", {"amplitude": 0.05}),
+    ],
+)
+def test_a_refusal_is_the_same_error_here_and_there(
+    learner: RemoteLearner,
+    database: Path,
+    kind: type[TsdError],
+    motion: str,
+    options: dict[str, Any],
+) -> None:
+    with pytest.raises(kind) as there:
+        learner.query(motion, robot=ROBOT, frequency=0.25, **options)
+    with Database(database) as local, pytest.raises(kind) as here:
+        local.query(motion, robot=ROBOT, frequency=0.25, **options)
+    assert type(there.value) is type(here.value) is kind
+    assert str(there.value) == str(here.value)
+
+
 def test_extrapolation_on_request(learner: RemoteLearner) -> None:
     outside = {"amplitude": 0.09, "frequency": 0.25}
-    with pytest.raises(ServiceError, match="extrapolate=true") as caught:
+    with pytest.raises(OutsideTrainedRange, match="extrapolate=true"):
         learner.query("squat", robot=ROBOT, **outside)
-    assert caught.value.code == "extrapolation"
     far = learner.query("squat", robot=ROBOT, extrapolate=True, **outside)
     near = learner.query("squat", robot=ROBOT, amplitude=0.07, frequency=0.25)
     assert far.standard_deviations.mean() > near.standard_deviations.mean()
@@ -261,10 +300,9 @@ def test_stable_learning_over_the_network_is_that_of_a_local_database(
                 applied=applied,
                 laps=[lap],
                 context=Context("abc", "def", {"P": [50.0], "D": [14.0]}, "test"),
-                rule="stable",
             )
-            there, _ = learner.record(made)
-            here, _ = database.record(made)
+            there, _ = learner.record(made, Instruction(find_rule("stable")))
+            here, _ = database.record(made, Instruction(find_rule("stable")))
             applied = here.served.weights
         asked = learner.query("squat", robot=ROBOT, amplitude=0.035, frequency=0.25)
     np.testing.assert_allclose(asked.weights, applied, rtol=0, atol=1e-12)
@@ -277,9 +315,8 @@ def test_stable_learning_over_the_network_is_that_of_a_local_database(
 def test_a_stable_recording_without_positions_is_refused(learner: RemoteLearner) -> None:
     # a client of another language: this one refuses by itself
     message = RecordMessage.of(recording_of(0.035)).model_copy(update={"rule": "stable"})
-    with pytest.raises(ServiceError, match="without error and reference") as caught:
+    with pytest.raises(InvalidValue, match="without error and reference"):
         learner._session.query_one(record_key(ROBOT), payload=message.encode())
-    assert caught.value.code == "invalid_value"
 
 
 def test_forget(learner: RemoteLearner) -> None:
@@ -288,7 +325,7 @@ def test_forget(learner: RemoteLearner) -> None:
     assert reply.forgotten is not None
     assert reply.forgotten.entry == entry.entry
     assert entry.entry not in [left.entry for left in reply.entries]
-    with pytest.raises(ServiceError, match="no entry"):
+    with pytest.raises(EntryNotFound, match="no entry"):
         learner.forget(entry.entry)
 
 
@@ -307,7 +344,7 @@ def test_what_was_recorded_survives_a_killed_service(tmp_path: Path) -> None:
 def test_file_that_is_not_ours_is_refused_unchanged(tmp_path: Path) -> None:
     other = tmp_path / "thesis.txt"
     other.write_text("not a database" * 100)
-    with pytest.raises(TsdError, match=r"not a database of this project.*not changed"):
+    with pytest.raises(ServiceNotReady, match=r"not a database of this project.*not changed"):
         ServiceProcess(["learner", "--database", str(other), "--listen", free_endpoint()])
     assert other.read_text() == "not a database" * 100
 

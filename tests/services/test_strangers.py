@@ -6,20 +6,25 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
 import zenoh
 
 import tsd_casadi as tsd
-from tsd_casadi.exceptions import ServiceUnreachable, TwoServices
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.exceptions import EntryNotFound, ServiceUnreachable, TwoServices
+from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.tick.format import TickFormat
 from tsd_casadi.wire.endpoints import session_settings
 from tsd_casadi.wire.error import ErrorMessage
+from tsd_casadi.wire.feedforward import FeedforwardMessage
 from tsd_casadi.wire.info import InfoMessage
-from tsd_casadi.wire.keys import info_key, tick_key
+from tsd_casadi.wire.keys import feedforward_key, info_key, tick_key
 from tsd_casadi.wire.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
 from tsd_clients.remote.remote_controller import RemoteController
+from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_server.service_process import ServiceProcess, free_endpoint
 
 STRANGE_TORQUE = 7777.0
@@ -120,7 +125,7 @@ def test_no_tick_of_a_thousand_is_believed(
     robot: tsd.Robot, controller: tsd.Controller, service: str
 ) -> None:
     ticks = 0
-    keys = (tick_key(robot.name), "tsd/**", "**")
+    keys = (tick_key(robot.name), "tsd/herm$*/controller/*", "tsd/**", "**")
     for mode in ("client", "peer", "router"):
         for key in keys:
             for first in (True, False):  # the stranger before the client, and after it
@@ -129,7 +134,7 @@ def test_no_tick_of_a_thousand_is_believed(
                 with RemoteController(robot.name, [service]) as remote:
                     if not first:
                         parts.append(answer_ticks(stranger, controller.format, key=key))
-                    for _ in range(56):
+                    for _ in range(42):
                         tick = remote.tick(robot.home, remote.command())
                         assert np.max(np.abs(tick.tau)) < 200.0
                         ticks += 1
@@ -266,6 +271,105 @@ def test_a_strangers_refusal_does_not_hide_the_torque(
         tick_until(remote, robot, refused.is_set)
         for _ in range(100):
             assert np.all(remote.tick(robot.home, remote.command()).tau == 1.0)
+
+
+@pytest.mark.parametrize("body", [b"", b"no", b"\xff", b'{"code": "unreachable", "message": ""}'])
+def test_an_error_that_says_nothing_does_not_hide_the_torque(
+    controller: tsd.Controller, robot: tsd.Robot, body: bytes
+) -> None:
+    refused = threading.Event()
+
+    def refuse(query: zenoh.Query) -> None:
+        with query:
+            query.reply_err(body)
+        refused.set()
+
+    def declare(session: zenoh.Session) -> object:
+        handler = zenoh.handlers.Callback(refuse, indirect=False)
+        return session.declare_queryable(tick_key(robot.name), handler, complete=True)
+
+    # the stranger's error comes first
+    with (
+        served(controller.format, delay=0.02) as genuine,
+        RemoteController(robot.name, [genuine.endpoint]) as remote,
+        stranger_of(genuine, declare),
+    ):
+        tick_until(remote, robot, refused.is_set)
+        for _ in range(20):
+            assert np.all(remote.tick(robot.home, remote.command()).tau == 1.0)
+
+
+def test_a_stranger_that_never_answers_does_not_hide_what_the_controller_says(
+    controller: tsd.Controller, robot: tsd.Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = threading.Event()
+    kept = []
+
+    def keep(query: zenoh.Query) -> None:
+        kept.append(query)  # as long as it is kept, its querier waits
+        asked.set()
+
+    def declare(session: zenoh.Session) -> object:
+        handler = zenoh.handlers.Callback(keep, indirect=False)
+        return session.declare_queryable(info_key(robot.name), handler, complete=True)
+
+    with (
+        served(controller.format) as genuine,
+        RemoteController(robot.name, [genuine.endpoint]) as remote,
+        stranger_of(genuine, declare),
+    ):
+        while not asked.is_set():  # bounded by the test's time
+            bodies = remote._session.query(info_key(robot.name), timeout=0.5)
+            assert [InfoMessage.decode(body).instance for body in bodies] == [genuine.instance]
+        kept.clear()
+
+
+def test_a_client_connects_to_nobody_but_its_service(
+    controller: tsd.Controller, robot: tsd.Robot, service: str
+) -> None:
+    settings = session_settings(listen=[free_endpoint()], connect=[service])
+    del settings["access_control"]
+    settings["scouting/gossip/enabled"] = "true"  # tells everybody where it is
+    config = zenoh.Config()
+    for key, value in settings.items():
+        config.insert_json5(key, value)
+    with zenoh.open(config), RemoteController(robot.name, [service]) as remote:
+        for _ in range(100):
+            remote.tick(robot.home, remote.command())
+        assert len(list(remote._session.zenoh.info.peers_zid())) == 1
+
+
+@pytest.mark.parametrize("mode", ["client", "peer", "router"])
+def test_no_feedforward_of_a_stranger_is_believed(mode: str, tmp_path: Path) -> None:
+    endpoint = free_endpoint()
+    basis = PeriodicBasis()
+    weights = np.full((1, basis.L), STRANGE_TORQUE)
+    strange = Feedforward(
+        axes=("com.z",),
+        basis=basis,
+        weights=weights,
+        standard_deviations=weights,
+        kind="learned",
+        parameters={"amplitude": 0.05, "frequency": 0.25, "height": 0.0},
+        provenance={"entries": [1], "iteration": 1},
+    )
+
+    def answer(query: zenoh.Query) -> None:
+        with query:
+            message = FeedforwardMessage.of("hermes_lower", "squat", strange)
+            query.reply(feedforward_key("hermes_lower"), message.encode())
+
+    arguments = ["learner", "--database", str(tmp_path / "a.sqlite"), "--listen", endpoint]
+    with ServiceProcess(arguments):
+        stranger = open_session(mode=mode, connect=endpoint)
+        handler = zenoh.handlers.Callback(answer, indirect=False)
+        part = stranger.declare_queryable("tsd/**", handler, complete=True)
+        with RemoteLearner([endpoint]) as learner:
+            for _ in range(50):
+                with pytest.raises(EntryNotFound):
+                    learner.query("squat", robot="hermes_lower", amplitude=0.05, frequency=0.25)
+        del part
+        stranger.close()  # type: ignore[no-untyped-call]
 
 
 def test_who_claims_to_be_the_controller_as_well_is_refused(

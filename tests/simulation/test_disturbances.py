@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pinocchio
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tsd_casadi import Robot, State
@@ -88,7 +88,6 @@ def test_pushes_at_the_same_time_add_up(robot: Robot) -> None:
     np.testing.assert_allclose(found.mujoco[-1], [1.0, 2.0, 0.0], atol=0.01)
 
 
-@settings(max_examples=100)
 @given(first=st.integers(0, 3000), count=st.integers(1, 100))
 def test_a_push_lasts_as_many_steps_as_it_should(first: int, count: int) -> None:
     # written as people do: 0.7 and 0.1, of which no float is an exact multiple of 0.001

@@ -17,7 +17,7 @@ from tsd_casadi.repetition.compensator import Moment
 from tsd_casadi.repetition.feedforward_gate import FADE, FeedforwardGate
 from tsd_casadi.repetition.repetition import HOLD
 from tsd_cli import command_line
-from tsd_cli.commands import simulate
+from tsd_cli.actions import simulate
 from tsd_clients import MujocoSimulator
 
 DT = 1e-3
@@ -142,7 +142,7 @@ def test_a_run_goes_on_without_what_was_dropped(
 def test_simulate_says_what_it_dropped(
     none: Run, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(simulate, "_ask_feedforward", lambda *_: wrong_for(none))
+    monkeypatch.setattr(simulate, "_ask", lambda *_: wrong_for(none))
     arguments = "squat --controller local --frequency 1 --model-error 0.1 --laps 2 --json -"
     for choice, words in (("generalised", "dropped at 1.5"), ("learned", "")):
         command_line.app(

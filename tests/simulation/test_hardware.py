@@ -1,32 +1,32 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pinocchio
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import null_space
 
-from tsd_casadi import Robot, State, load_robot
+from tsd_casadi import Robot, State
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
-from tsd_casadi.robot.robot_file import HardwareFile
+from tsd_casadi.robot.robot_file_sections import HardwareFile
 from tsd_clients import MujocoSimulator
-from tsd_clients.simulator.hardware import (
+from tsd_clients.simulator.effects import (
     ACTUATOR_EFFECTS,
     EFFECTS,
     SENSOR_EFFECTS,
+    check_effects,
+)
+from tsd_clients.simulator.hardware import (
     Actuators,
     Encoders,
     FlatFeetEstimator,
     add_to_model,
-    check_effects,
 )
 
-MINI = Path(__file__).parents[1] / "robots" / "mini_biped" / "mini_biped.yaml"
 DT = 1e-3
 NUMBERS = HardwareFile(
     armature=0.05,
@@ -60,12 +60,11 @@ def test_unknown_effects_are_refused_with_the_known_ones(robot: Robot, effects: 
         check_effects(robot, effects)
 
 
-def test_effects_without_numbers_are_refused() -> None:
-    mini = load_robot(MINI)
-    assert check_effects(mini, []) == ()
+def test_effects_without_numbers_are_refused(mini_biped: Robot) -> None:
+    assert check_effects(mini_biped, []) == ()
     with pytest.raises(RobotFileError, match="'hardware': is missing") as caught:
-        MujocoSimulator(mini, hardware=["friction"])
-    assert caught.value.path == mini.path
+        MujocoSimulator(mini_biped, hardware=["friction"])
+    assert caught.value.path == mini_biped.path
 
 
 # actuators
@@ -94,7 +93,6 @@ def test_step_response_is_that_of_delay_and_first_order_lag(
         np.testing.assert_allclose(actuators.apply(high), low + rise * (high - low), atol=1e-12)
 
 
-@settings(max_examples=60)
 @given(torques=st.lists(st.floats(-300, 300), min_size=1, max_size=30))
 def test_torques_are_applied_as_they_are_without_an_effect(torques: list[float]) -> None:
     actuators = Actuators(NUMBERS, [], DT)
@@ -102,7 +100,6 @@ def test_torques_are_applied_as_they_are_without_an_effect(torques: list[float])
         assert actuators.apply(np.array([torque])) == [torque]
 
 
-@settings(max_examples=60)
 @given(torques=st.lists(st.floats(-300, 300), min_size=1, max_size=30))
 def test_the_applied_torque_never_leaves_the_range_of_the_commands(torques: list[float]) -> None:
     actuators = Actuators(NUMBERS, EFFECTS, DT)
@@ -127,7 +124,6 @@ def test_encoders_without_an_effect_tell_the_truth() -> None:
     np.testing.assert_array_equal(measured, (angles, velocities))
 
 
-@settings(max_examples=100)
 @given(angle=st.floats(-3.0, 3.0))
 def test_angles_come_in_steps_and_are_the_nearest_one(angle: float) -> None:
     (measured,), (velocity,) = encoders("quantisation").measure(np.array([angle]), np.array([0.5]))
@@ -231,21 +227,19 @@ def on_still_soles(robot: Robot, rng: np.random.Generator) -> State:
     return State(q, free @ rng.uniform(-1.0, 1.0, free.shape[1]))
 
 
-@pytest.mark.parametrize("name", ["hermes_lower", MINI], ids=["hermes_lower", "mini_biped"])
-def test_base_is_recovered_exactly_while_both_soles_are_still(name: str | Path) -> None:
-    robot = load_robot(name)
-    estimator = FlatFeetEstimator(robot, robot.home)
+def test_base_is_recovered_exactly_while_both_soles_are_still(any_robot: Robot) -> None:
+    estimator = FlatFeetEstimator(any_robot, any_robot.home)
     rng = np.random.default_rng(5)
     for _ in range(20):
-        state = on_still_soles(robot, rng)
+        state = on_still_soles(any_robot, rng)
         estimate = estimator.estimate(state.q[7:], state.v[6:])
         np.testing.assert_allclose(
-            pinocchio.difference(robot.model, state.q, estimate.q), 0, atol=1e-9
+            pinocchio.difference(any_robot.model, state.q, estimate.q), 0, atol=1e-9
         )
         np.testing.assert_allclose(estimate.v, state.v, atol=1e-9)
         # really something to recover
         assert np.abs(state.v[:6]).max() > 1e-2
-        assert np.abs(state.q[:6] - robot.home.q[:6]).max() > 1e-3
+        assert np.abs(state.q[:6] - any_robot.home.q[:6]).max() > 1e-3
 
 
 def test_feet_that_disagree_are_met_half_way(robot: Robot) -> None:

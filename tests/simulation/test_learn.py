@@ -17,8 +17,9 @@ from tsd_casadi.exceptions import (
     TsdError,
 )
 from tsd_casadi.learning.entry import Entry
-from tsd_casadi.learning.recording import TaskKey
-from tsd_casadi.repetition.learn import record_of
+from tsd_casadi.learning.entry_key import EntryKey
+from tsd_casadi.learning.instruction import Instruction
+from tsd_casadi.repetition.record import record_of
 from tsd_casadi.tick.format import Status
 from tsd_clients import MujocoSimulator
 
@@ -45,11 +46,6 @@ class Stub:
             tick.tau[:] *= self._torque
         self._ticks += 1
         return tick
-
-
-@pytest.fixture(scope="module")
-def simulator(robot: Robot) -> MujocoSimulator:
-    return MujocoSimulator(robot, model_error=0.1)
 
 
 class Learned:
@@ -118,7 +114,7 @@ def test_the_entry_holds_every_iteration_with_its_errors(
     for run, iteration in zip(learned.runs, entry.iterations, strict=True):
         assert iteration.errors == run.errors()
         np.testing.assert_array_equal(iteration.weights, run.feedforward.weights)
-    assert entry.key == TaskKey.of("hermes_lower", "squat", ("com.z",), AT)
+    assert entry.key == EntryKey.of("hermes_lower", "squat", ("com.z",), AT)
     assert entry.context.model == robot.fingerprint
     assert entry.context.formulation == f"{controller.format.layout_hash:016x}"
     # those of the learned axis, z
@@ -177,8 +173,8 @@ def test_several_motions_become_several_entries(
     assert [dict(entry.key.parameters)["amplitude"] for entry in database.entries()] == [0.01, 0.02]
     # another motion's entry is no reason to start with a feedforward
     assert [run.feedforward.kind for run in runs] == ["none", "learned"] * 2
-    generalised = database.query("squat", amplitude=0.015, frequency=1.0)
-    run = simulator.run(controller, Squat(0.015, 1.0), laps=2, feedforward=generalised)
+    generalized = database.query("squat", amplitude=0.015, frequency=1.0)
+    run = simulator.run(controller, Squat(0.015, 1.0), laps=2, feedforward=generalized)
     assert run.rms_error < 0.2 * runs[0].rms_error
 
 
@@ -186,7 +182,7 @@ def test_the_rule_is_handed_on(
     simulator: MujocoSimulator, controller: Controller, database: Database
 ) -> None:
     learn(simulator, controller, [SQUAT], database, laps=2, rule="plain")
-    assert database.entries()[0].rule == "plain"
+    assert database.entries()[0].rule.name == "plain"
 
 
 def test_a_fallen_run_is_not_recorded(
@@ -202,7 +198,7 @@ def test_a_fallen_run_is_not_recorded(
 def test_a_fall_during_a_restart_keeps_what_was_learned(
     simulator: MujocoSimulator, controller: Controller, database: Database, learned: Learned
 ) -> None:
-    database.record(record_of(learned.runs[0], simulator, controller))
+    database.record(record_of(learned.runs[0], simulator.robot, controller))
     limp = Stub(controller, first=100, status=Status.OK, torque=0.0)
     with pytest.raises(SimulationError):
         learn(simulator, limp, [SQUAT], database, laps=2, restart=True)
@@ -228,18 +224,17 @@ def test_an_unsteady_run_is_not_recorded(
     run = learned.runs[0]
     unsteady = Run(**{**vars(run), "steady": False, "laps_run": 14})
     with pytest.raises(SimulationError, match=r"did not settle in 14 laps.*nothing was recorded"):
-        record_of(unsteady, simulator, controller)
+        record_of(unsteady, simulator.robot, controller)
 
 
 def test_a_recording_holds_the_steady_laps_and_the_applied_weights(
     simulator: MujocoSimulator, controller: Controller, learned: Learned
 ) -> None:
     run = learned.runs[1]
-    recording = record_of(run, simulator, controller, rule="plain", update=False, restart=True)
+    recording = record_of(run, simulator.robot, controller)
     assert recording.laps is run.laps
     np.testing.assert_array_equal(recording.applied, run.feedforward.weights)
     assert recording.errors == run.errors()
-    assert (recording.rule, recording.update, recording.restart) == ("plain", False, True)
 
 
 @pytest.mark.parametrize("iterations", [0, -1])
@@ -264,7 +259,7 @@ class Grumpy:
     def __init__(self, error: TsdError) -> None:
         self.error = error
 
-    def query(self, task: str, **_: Any) -> Any:
+    def query(self, motion: str, **_: Any) -> Any:
         raise self.error
 
     def record(self, recording: Any) -> Any:
@@ -285,7 +280,7 @@ def test_all_motions_are_checked_before_the_first_run(
     simulator: MujocoSimulator, controller: Controller, learned: Learned
 ) -> None:
     class Untouched(Grumpy):
-        def query(self, task: str, **_: Any) -> Any:
+        def query(self, motion: str, **_: Any) -> Any:
             raise AssertionError("a run was about to start")
 
     with pytest.raises(InvalidValue, match="amplitude"):
@@ -303,7 +298,7 @@ def test_a_run_whose_ticks_failed_is_not_learned_from(
     run = learned.runs[0]
     failed = Run(**{**vars(run), "failures": {"infeasible": run.ticks}})
     with pytest.raises(SimulationError):
-        record_of(failed, simulator, controller)
+        record_of(failed, simulator.robot, controller)
 
 
 class Scripted:
@@ -314,7 +309,7 @@ class Scripted:
         self.errors = iter(errors)
         self.contractions: tuple[Any, ...] = ("an account",)
         monkeypatch.setattr(MujocoSimulator, "run", self.run)
-        monkeypatch.setattr("tsd_casadi.repetition.learn.record_of", self.note)
+        monkeypatch.setattr("tsd_casadi.repetition.learn.record_of", lambda *_: None)
 
     def run(self, *_: Any, **__: Any) -> Any:
         error = next(self.errors)
@@ -324,13 +319,11 @@ class Scripted:
 
         return OfThisError()
 
-    def note(self, *_: Any, update: bool, **__: Any) -> Any:
-        self.updates.append(update)
-
-    def query(self, task: str, **_: Any) -> Any:
+    def query(self, motion: str, /, **_: Any) -> Any:
         raise EntryNotFound("nothing")
 
-    def record(self, recording: Any) -> Any:
+    def record(self, recording: Any, instruction: Instruction) -> Any:
+        self.updates.append(instruction.update)
         return self, []
 
 

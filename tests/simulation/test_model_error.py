@@ -5,7 +5,7 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tsd_casadi import Robot
@@ -24,13 +24,11 @@ def center_of_mass(simulator: MujocoSimulator) -> np.ndarray:
     return np.array(data.subtree_com[simulator.state_map.base_body])
 
 
-@settings(max_examples=60)
 @given(uniform=st.floats(-0.9, 9.0), links=st.integers(1, 40))
 def test_a_uniform_error_is_one_plus_e_on_every_link(uniform: float, links: int) -> None:
     np.testing.assert_array_equal(ModelError(uniform).factors(links), np.full(links, 1 + uniform))
 
 
-@settings(max_examples=60)
 @given(uniform=st.floats(-0.3, 1.0), per_link=st.floats(-0.5, 0.5), seed=st.integers(0, 2**32 - 1))
 def test_each_link_is_off_by_plus_or_minus_the_same(
     uniform: float, per_link: float, seed: int

@@ -12,7 +12,7 @@ from tsd_casadi import Controller, Robot, State
 from tsd_casadi.state import Vector
 from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.disturbances import Disturbance
-from tsd_clients.simulator.hardware import EFFECTS, SENSOR_EFFECTS
+from tsd_clients.simulator.effects import EFFECTS, SENSOR_EFFECTS
 from tsd_clients.simulator.mujoco_plant import TIMESTEP, MujocoPlant
 from tsd_clients.simulator.state_map import StateMap
 

@@ -1,20 +1,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
-import tsd_models
-from tsd_casadi import Robot, load_robot
+from tsd_casadi import Robot
 from tsd_casadi.exceptions import ParityError
 from tsd_clients.simulator.parity import TOLERANCE, check_parity, measure_parity, random_state
-
-MINI = Path(__file__).parents[1] / "robots" / "mini_biped" / "mini_biped.yaml"
-ROBOTS: dict[str, Path] = {**tsd_models.robot_files(), "mini_biped": MINI}
 
 
 @pytest.fixture
@@ -23,15 +18,13 @@ def scene(robot: Robot) -> Any:
     return mujoco.MjModel.from_xml_path(str(robot.scene_path))
 
 
-@pytest.mark.parametrize("name", ROBOTS)
-def test_urdf_and_scene_agree_at_100_random_states(name: str) -> None:
-    robot = load_robot(ROBOTS[name])
-    model = mujoco.MjModel.from_xml_path(str(robot.scene_path))
-    parity = measure_parity(robot, model, states=100, seed=1)
+def test_urdf_and_scene_agree_at_100_random_states(any_robot: Robot) -> None:
+    model = mujoco.MjModel.from_xml_path(str(any_robot.scene_path))
+    parity = measure_parity(any_robot, model, states=100, seed=1)
     assert TOLERANCE == 1e-9
     for quantity, difference in vars(parity).items():
         assert 0 <= difference <= TOLERANCE, quantity
-    check_parity(robot, model)
+    check_parity(any_robot, model)
 
 
 def test_the_measure_is_not_blind(robot: Robot, scene: Any) -> None:

@@ -27,3 +27,17 @@ def test_a_library_that_does_not_work_costs_no_more_than_the_picture(
     monkeypatch.setattr(rendering, "LIBRARIES", ("none",))
     monkeypatch.delenv("MUJOCO_GL", raising=False)
     assert render_postures(robot, robot.home.q[None, :]) is None
+
+
+@pytest.mark.parametrize(
+    ("chosen", "tried"),
+    [("", rendering.LIBRARIES), ("disable", rendering.LIBRARIES), ("a", ("a", "egl", "osmesa"))],
+)
+def test_the_users_library_is_tried_first(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch, chosen: str, tried: tuple[str, ...]
+) -> None:
+    libraries: list[str] = []
+    monkeypatch.setenv("MUJOCO_GL", chosen)
+    monkeypatch.setattr(rendering, "_render_apart", lambda library, *_: libraries.append(library))
+    assert render_postures(robot, robot.home.q[None, :]) is None
+    assert tuple(libraries) == tried

@@ -28,12 +28,13 @@ from tsd_casadi import load_robot as load
 from tsd_casadi.encoding.laps import first_steady_lap
 from tsd_casadi.exceptions import InvalidValue, ParityError, RobotFileError, SimulationError
 from tsd_casadi.repetition.gains import Gains
+from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.repetition.repetition import EXTRA_LAPS, HOLD
-from tsd_casadi.repetition.run import LOG_UNITS
 from tsd_casadi.tick.format import Status, TickFormat
 from tsd_clients import MujocoSimulator
+from tsd_clients.logs.log_file import save_log
 from tsd_clients.simulator.disturbances import Disturbance, Push
-from tsd_clients.simulator.hardware import EFFECTS
+from tsd_clients.simulator.effects import EFFECTS
 from tsd_clients.simulator.mujoco_plant import TIMESTEP
 from tsd_clients.simulator.simulator import START_NOISE
 from tsd_clients.simulator.state_map import StateMap
@@ -72,11 +73,6 @@ class Stub:
 def limp(controller: Controller) -> Stub:
     """Zero torque, status ok."""
     return Stub(controller, lambda number, tick: None, solve=False)
-
-
-@pytest.fixture(scope="module")
-def simulator(robot: Robot) -> MujocoSimulator:
-    return MujocoSimulator(robot, model_error=0.1)
 
 
 @pytest.fixture(scope="module")
@@ -332,10 +328,22 @@ def test_reference_is_the_motion_about_home(run: Run, robot: Robot) -> None:
 
 
 def test_log_is_documented_and_complete(run: Run) -> None:
-    assert run.log.keys() == LOG_UNITS.keys()
-    assert {len(values) for values in run.log.values()} == {run.ticks}
+    n, contacts = run.log["tau"].shape[1], run.log["wrenches"].shape[1] // 6
+    axes = run.log["all_errors"].shape[1]
+    shapes = {
+        "()": (),
+        "(k,)": (axes,),
+        "(n,)": (n,),
+        "(7 + n,)": (7 + n,),
+        "(6 + n,)": (6 + n,),
+        "(6 c,)": (6 * contacts,),
+    }
+    assert run.log.keys() == LOG_FIELDS.keys()
     for name, values in run.log.items():
+        field = LOG_FIELDS[name]
         assert np.isfinite(values).all(), name
+        assert values.shape == (run.ticks, *shapes[field.shape]), name
+        assert values.dtype == field.type, name
 
 
 def test_true_error_is_that_of_the_logged_state(run: Run, robot: Robot) -> None:
@@ -534,7 +542,7 @@ def test_a_fallen_run_can_be_summarised_and_saved(fallen: Run, tmp_path: Path) -
     summary = json.loads(json.dumps(fallen.summary()))
     assert summary["fell"] is True
     assert summary["laps_measured"] == 0
-    fallen.save_log(tmp_path / "log.npz")
+    save_log(fallen, tmp_path / "log.npz")
     with np.load(tmp_path / "log.npz") as saved:
         assert len(saved["time"]) == fallen.ticks
 
@@ -666,3 +674,9 @@ def test_critical_gains_keep_the_damping_ratio() -> None:
 
 def test_a_fallen_run_does_not_look_perfect(fallen: Run) -> None:
     assert fallen.rms_error != 0.0
+
+
+def test_it_says_how_it_differs_from_the_robot(robot: Robot) -> None:
+    assert repr(MujocoSimulator(robot, 0.1, ["lag"])) == (
+        "<MujocoSimulator of hermes_lower: model error 0.1, by link 0; hardware lag>"
+    )

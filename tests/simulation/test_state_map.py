@@ -15,14 +15,8 @@ from tsd_casadi.exceptions import RobotFileError
 from tsd_clients.simulator.parity import random_state
 from tsd_clients.simulator.state_map import StateMap
 
-MINI = Path(__file__).parents[1] / "robots" / "mini_biped" / "mini_biped.yaml"
 STATES = 50
 EditScene = Callable[[Callable[[str], str]], Robot]
-
-
-@pytest.fixture(params=["hermes_lower", MINI], ids=["hermes_lower", "mini_biped"])
-def any_robot(request: pytest.FixtureRequest) -> Robot:
-    return load_robot(request.param)
 
 
 @pytest.fixture

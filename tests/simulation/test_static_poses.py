@@ -11,7 +11,7 @@ from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_clients import ModelError, MujocoSimulator
 from tsd_clients.simulator.mujoco_plant import TIMESTEP, MujocoPlant
 from tsd_clients.simulator.static_poses import collect, true_center_of_mass, with_noise
-from tsd_experiments.beyond.center_of_mass_study import assess, by_poses_and_noise
+from tsd_experiments.beyond.true_center_of_mass.study import assess, by_poses_and_noise
 
 COUNT = 6
 

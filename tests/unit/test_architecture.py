@@ -70,7 +70,13 @@ def test_the_public_names() -> None:
             "learn",
             "load_robot",
         ],
-        "tsd_clients": ["ModelError", "MujocoSimulator", "RemoteController", "RemoteLearner"],
+        "tsd_clients": [
+            "ModelError",
+            "MujocoSimulator",
+            "RemoteController",
+            "RemoteLearner",
+            "save_log",
+        ],
         "tsd_server": ["ControllerService", "LearnerService", "ServiceProcess"],
         "tsd_experiments": [],
         "tsd_cli": [],
@@ -108,4 +114,5 @@ def test_files_that_the_docs_name_are_there() -> None:
     )
     for page in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]:
         for name in mentioned.findall(page.read_text()):
-            assert (ROOT / name).exists(), f"{page.name}: {name}"
+            if not re.search(r"NAME|QUESTION|_N_", name):  # what a recipe leaves open
+                assert (ROOT / name).exists(), f"{page.name}: {name}"

@@ -2,17 +2,27 @@ from __future__ import annotations
 
 import ctypes
 import os
+import resource
 import shutil
 import stat
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from tsd_casadi.compilation import code_cache
-from tsd_casadi.compilation.code_cache import cache_folder, compile_cached, find_compiler
-from tsd_casadi.exceptions import CacheNotPrivate, CompilationFailed, CompilerNotFound
+from tsd_casadi.compilation import code_cache, compiler
+from tsd_casadi.compilation.code_cache import cache_folder, compile_cached, keep_text
+from tsd_casadi.compilation.compiler import find_compiler
+from tsd_casadi.exceptions import (
+    CacheNotPrivate,
+    CacheNotWritable,
+    CompilationFailed,
+    CompilerNotFound,
+    InvalidValue,
+)
 
 ANSWER = {"answer.c": '#include "answer.h"\nint answer(void) { return ANSWER; }\n'}
 
@@ -31,6 +41,17 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("TSD_CACHE_DIR", str(folder))
     monkeypatch.delenv("CC", raising=False)
     return folder
+
+
+@contextmanager
+def no_file_beyond(size: int) -> Iterator[None]:
+    """As if the disk were full: the system refuses to let any file grow further."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 class Compilations:
@@ -58,7 +79,7 @@ def test_a_hit_runs_no_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object) -> Path:
         raise AssertionError("compiled again")
 
-    monkeypatch.setattr(code_cache, "_compile", refuse)
+    monkeypatch.setattr(code_cache, "compile_library", refuse)
     assert compile_cached(sources()) == library
 
 
@@ -74,7 +95,8 @@ def test_other_flags_and_other_compilers_are_another_entry(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     libraries = [compile_cached(sources())]
-    monkeypatch.setattr(code_cache, "FLAGS", (*code_cache.FLAGS, "-g0"))
+    for module in (code_cache, compiler):
+        monkeypatch.setattr(module, "FLAGS", (*compiler.FLAGS, "-g0"))
     libraries.append(compile_cached(sources()))
     wrapper = tmp_path / "my-cc"
     wrapper.write_text(
@@ -161,6 +183,14 @@ def test_a_new_folder_is_private(folder: Path) -> None:
     assert stat.S_IMODE(folder.stat().st_mode) == 0o700
 
 
+def test_the_home_folder_may_be_written_as_a_tilde(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("TSD_CACHE_DIR", "~/kept")
+    assert cache_folder() == tmp_path / "kept"
+
+
 @pytest.mark.parametrize("mode", [0o770, 0o707, 0o777, 0o1777])
 def test_a_folder_that_others_may_write_to_is_refused(folder: Path, mode: int) -> None:
     library = compile_cached(sources())
@@ -221,6 +251,67 @@ def test_a_hit_needs_no_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 def test_cc_may_have_arguments(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CC", f"{shutil.which('env')} {find_compiler()}")
     assert call(compile_cached(sources())) == 42
+
+
+@pytest.mark.parametrize("cc", ['gcc "', "gcc 'x", "gcc \\"])
+def test_a_quote_that_is_not_closed_is_told(monkeypatch: pytest.MonkeyPatch, cc: str) -> None:
+    monkeypatch.setenv("CC", cc)
+    with pytest.raises(InvalidValue) as caught:
+        compile_cached(sources())
+    assert caught.value.field == "the variable CC"
+    assert repr(cc) in str(caught.value)
+    assert "a command with its arguments" in str(caught.value)
+
+
+@pytest.mark.parametrize("cc", ["", " ", "''"])
+def test_an_empty_cc_is_none_or_told(monkeypatch: pytest.MonkeyPatch, cc: str) -> None:
+    monkeypatch.setenv("CC", cc)
+    if cc.strip():
+        with pytest.raises(CompilerNotFound):
+            compile_cached(sources())
+    else:
+        assert call(compile_cached(sources())) == 42
+
+
+def test_a_compiler_that_is_no_program_is_told(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    text = tmp_path / "text"
+    text.write_bytes(b"\x7fnot a program")
+    text.chmod(0o755)
+    monkeypatch.setenv("CC", str(text))
+    with pytest.raises(CompilationFailed, match="Exec format error") as caught:
+        compile_cached(sources())
+    assert caught.value.command is not None
+    assert caught.value.command[0] == str(text)
+
+
+def test_a_compiler_that_makes_nothing_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CC", str(shutil.which("true")))
+    with pytest.raises(CompilationFailed):
+        compile_cached(sources())
+
+
+def test_a_compiler_that_prints_no_text_is_told(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    wrapper = tmp_path / "latin-cc"
+    wrapper.write_text("#!/bin/sh\nprintf 'unzul\\344ssig\\n'; exit 1\n")
+    wrapper.chmod(0o755)
+    monkeypatch.setenv("CC", str(wrapper))
+    with pytest.raises(CompilationFailed, match=r"unzul.ssig"):
+        compile_cached(sources())
+
+
+def test_no_room_for_what_was_compiled_is_told(folder: Path) -> None:
+    cache_folder()
+    with no_file_beyond(8), pytest.raises(CacheNotWritable) as caught:
+        compile_cached(sources())
+    assert caught.value.path == folder
+    assert "TSD_CACHE_DIR" in str(caught.value)
+    with no_file_beyond(8), pytest.raises(CacheNotWritable):
+        keep_text(folder / "index.json", "much longer")
+    assert list(folder.iterdir()) == []
 
 
 def test_a_refusing_compiler_is_quoted(folder: Path) -> None:

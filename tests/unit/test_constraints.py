@@ -132,7 +132,7 @@ def test_unilateral_force_asks_for_the_least_force_while_in_contact(
 
 
 CONES: dict[str, Callable[[], Rows]] = {
-    "center of pressure": lambda: center_of_pressure("foot", ca.SX(ca.DM(SOLE)), NV, SELECTION),
+    "centre of pressure": lambda: center_of_pressure("foot", ca.SX(ca.DM(SOLE)), NV, SELECTION),
     "friction": lambda: friction("foot", ca.SX(0.5), NV, SELECTION),
     "normal torque": lambda: normal_torque("foot", ca.SX(0.1), NV, SELECTION),
 }

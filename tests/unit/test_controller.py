@@ -3,6 +3,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from tsd_casadi import Command, Controller, Robot, State, Status, Tick, load_robot
-from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.exceptions import InvalidValue, NotLoadable
 from tsd_casadi.tick.layout import Field
 
 Edit = Callable[[Command], object]
@@ -401,7 +402,7 @@ def accepted_requests(draw: st.DrawFn, controller: Controller) -> Command:
     return command
 
 
-@settings(max_examples=400)
+@settings(max_examples=settings.default.max_examples * 4)
 @given(data=st.data())
 def test_whatever_is_accepted_is_answered_with_finite_numbers(
     controller: Controller, data: st.DataObject
@@ -416,7 +417,6 @@ def test_whatever_is_accepted_is_answered_with_finite_numbers(
         assert not any(wrench.any() for wrench in tick.wrenches.values())
 
 
-@settings(max_examples=100)
 @given(seed=st.integers(0, 10_000))
 def test_many_absurd_numbers_at_once_are_survived(controller: Controller, seed: int) -> None:
     rng, layout = np.random.default_rng(seed), controller.format.request
@@ -438,3 +438,11 @@ def test_times_are_told_and_positive(controller: Controller) -> None:
     tick = run(controller, put())
     assert 0 < tick.compute_time < 1e5
     assert tick.iterations >= 0
+
+
+def test_a_library_that_is_none_is_told(controller: Controller, tmp_path: Path) -> None:
+    library = tmp_path / "controller.so"
+    library.write_bytes(b"no shared library")
+    with pytest.raises(NotLoadable, match="delete it") as caught:
+        Controller(controller.format, library)
+    assert caught.value.path == library

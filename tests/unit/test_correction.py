@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from tsd_casadi import Robot, load_robot
 from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
 from tsd_casadi.center_of_mass.fit import (
-    MassPrior,
     StaticPose,
     fit_correction,
     prior_correction,
 )
+from tsd_casadi.center_of_mass.mass_prior import MassPrior
 from tsd_casadi.center_of_mass.static_chain import StaticChain
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
 from tsd_casadi.state import Vector

@@ -19,8 +19,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import tsd_casadi.database.database
-from tsd_casadi.database.database import Database
+import tsd_casadi.database.database_file
+from tsd_casadi.database.database import Database, default_path
 from tsd_casadi.database.schema import APPLICATION_ID, SCHEMA, SCHEMA_VERSION
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
@@ -34,7 +34,11 @@ from tsd_casadi.exceptions import (
 )
 from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.learning.entry import Entry
-from tsd_casadi.learning.recording import Context, Recording, TaskKey
+from tsd_casadi.learning.entry_key import EntryKey
+from tsd_casadi.learning.instruction import Instruction
+from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.rules.by_name import find_rule
+from tsd_casadi.motions.parameter import MOTION_PARAMETERS, RESERVED
 
 BASIS = PeriodicBasis()
 CONTEXT = Context("00ff", "abcd", {"P": [50.0], "D": [14.0]}, "0.1.0")
@@ -58,7 +62,7 @@ def recording(
     feedback = 0.7 + 30 * amplitude**2 + amplitude * np.sin(PHASE)
     feedback = feedback + 0.2 * frequency**2 * np.cos(PHASE)
     made = Recording(
-        key=TaskKey.of(robot, "squat", axes, {"amplitude": amplitude, "frequency": frequency}),
+        key=EntryKey.of(robot, "squat", axes, {"amplitude": amplitude, "frequency": frequency}),
         basis=BASIS,
         applied=np.zeros((len(axes), BASIS.L)),
         laps=[Lap(PHASE, np.tile(feedback, (len(axes), 1)))] * 2,
@@ -66,6 +70,10 @@ def recording(
         context=CONTEXT,
     )
     return replace(made, **changes)
+
+
+def told(rule: str = "guarded", **changes: bool) -> Instruction:
+    return Instruction(find_rule(rule), **changes)
 
 
 def assert_same(one: Entry, other: Entry) -> None:
@@ -117,7 +125,7 @@ def trained(trained_path: Path) -> Any:
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Locks are waited for 50 ms instead of 5 s."""
     monkeypatch.setattr(
-        tsd_casadi.database.database.sqlite3, "connect", partial(sqlite3.connect, timeout=0.05)
+        tsd_casadi.database.database_file.sqlite3, "connect", partial(sqlite3.connect, timeout=0.05)
     )
 
 
@@ -137,14 +145,14 @@ def test_everything_survives_reopening(path: Path) -> None:
     with Database(path) as database:
         entry, _ = database.record(recording())
         applied = entry.served.weights
-        entry, _ = database.record(recording(applied=applied, error=2e-3, rule="guarded"))
-        database.record(recording(0.05, axes=("com.x", "com.z"), rule="plain"))
+        entry, _ = database.record(recording(applied=applied, error=2e-3), told("guarded"))
+        database.record(recording(0.05, axes=("com.x", "com.z")), told("plain"))
         before = database.entries()
     with Database(path) as database:
         after = database.entries()
     assert len(after) == 2
     assert after[0].learning_gain == 0.5
-    assert after[1].rule == "plain"
+    assert after[1].rule.name == "plain"
     for one, other in zip(before, after, strict=True):
         assert_same(one, other)
     assert_same(entry, after[0])
@@ -152,9 +160,10 @@ def test_everything_survives_reopening(path: Path) -> None:
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False, width=64)
 NAMES = st.text(min_size=1, max_size=20).filter(lambda text: "\x00" not in text)
+PARAMETERS = NAMES.filter(lambda name: name not in RESERVED)
 
 
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 3)
 @given(data=st.data())
 def test_any_entry_comes_back_bit_for_bit(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
@@ -164,11 +173,11 @@ def test_any_entry_comes_back_bit_for_bit(
     weights = st.lists(st.floats(-1e12, 1e12), min_size=size * len(axes), max_size=size * len(axes))
     applied = np.array(data.draw(weights, "applied")).reshape(len(axes), size)
     made = Recording(
-        key=TaskKey.of(
+        key=EntryKey.of(
             data.draw(NAMES, "robot"),
-            data.draw(NAMES, "task"),
+            data.draw(NAMES.filter(lambda name: name not in MOTION_PARAMETERS), "motion"),
             axes,
-            data.draw(st.dictionaries(NAMES, st.floats(-1e5, 1e5), max_size=3), "parameters"),
+            data.draw(st.dictionaries(PARAMETERS, st.floats(-1e5, 1e5), max_size=3), "parameters"),
         ),
         basis=PeriodicBasis(size, data.draw(st.floats(0.1, 1e5), "width")),
         applied=applied,
@@ -177,12 +186,11 @@ def test_any_entry_comes_back_bit_for_bit(
         context=Context(
             data.draw(NAMES), data.draw(NAMES), {"P": [data.draw(NUMBERS)]}, data.draw(NAMES)
         ),
-        rule=data.draw(st.sampled_from(["guarded", "plain"])),
-        update=data.draw(st.booleans()),
     )
     path = tmp_path_factory.mktemp("any") / "d.sqlite"
     with Database(path) as database:
-        stored, _ = database.record(made)
+        rule = data.draw(st.sampled_from(["guarded", "plain"]))
+        stored, _ = database.record(made, told(rule, update=data.draw(st.booleans())))
     with Database(path) as database:
         (found,) = database.entries()
     assert_same(stored, found)
@@ -230,12 +238,12 @@ def test_entries_are_told_apart_by_robot_task_axes_and_parameters(database: Data
         recording(axes=("com.x",)),
         recording(0.04),
         recording(frequency=0.5),
-        replace(first, key=replace(first.key, task="sway")),
+        replace(first, key=replace(first.key, motion="sway")),
     ]
     identifiers = {database.record(made)[0].identifier for made in (first, *others)}
     assert identifiers == {1, 2, 3, 4, 5, 6}
     assert [entry.identifier for entry in database.entries("mini")] == [2]
-    assert [entry.identifier for entry in database.entries(task="sway")] == [6]
+    assert [entry.identifier for entry in database.entries(motion="sway")] == [6]
     assert database.entries("mini", "sway") == []
 
 
@@ -243,7 +251,7 @@ def test_restart_forgets_only_that_entry(database: Database) -> None:
     entry, _ = database.record(recording())
     database.record(recording(applied=entry.served.weights, error=2e-3))
     other, _ = database.record(recording(0.05))
-    again, notes = database.record(recording(error=5e-3, restart=True))
+    again, notes = database.record(recording(error=5e-3), told(restart=True))
     assert notes == []
     assert again.identifier not in (entry.identifier, other.identifier)
     assert (again.learning_gain, [i.number for i in again.iterations]) == (1.0, [0, 1])
@@ -260,16 +268,15 @@ def test_restart_accepts_another_basis_and_formulation(database: Database) -> No
     )
     with pytest.raises(IncompatibleEntry):
         database.record(made)
-    database.record(replace(made, restart=True))
+    database.record(made, told(restart=True))
     (entry,) = database.entries()
     assert (entry.basis, entry.context.formulation) == (other, "beef")
 
 
 def test_a_restart_that_fails_forgets_nothing(database: Database) -> None:
     before, _ = database.record(recording())
-    broken = recording(applied=np.zeros((1, 3)), restart=True)  # not the basis' size
-    with pytest.raises(ValueError, match="operands"):
-        database.record(broken)
+    with pytest.raises(InvalidValue, match="without error and reference"):
+        database.record(recording(), told("stable", restart=True))
     (after,) = database.entries()
     assert_same(before, after)
 
@@ -277,7 +284,7 @@ def test_a_restart_that_fails_forgets_nothing(database: Database) -> None:
 def test_a_refused_recording_leaves_the_entry_alone(database: Database) -> None:
     before, _ = database.record(recording())
     with pytest.raises(IncompatibleEntry):
-        database.record(recording(context=replace(CONTEXT, formulation="beef"), rule="plain"))
+        database.record(recording(context=replace(CONTEXT, formulation="beef")), told("plain"))
     (after,) = database.entries()
     assert_same(before, after)
 
@@ -325,7 +332,7 @@ def test_learned_means_the_exact_entry(trained: Database) -> None:
 def test_learned_fails_without_the_exact_entry(
     trained: Database, amplitude: float, frequency: float
 ) -> None:
-    with pytest.raises(EntryNotFound, match="nothing was learned for squat") as caught:
+    with pytest.raises(EntryNotFound, match="no entry for squat") as caught:
         trained.query("squat", kind="learned", amplitude=amplitude, frequency=frequency)
     assert "amplitude=0.08" in str(caught.value)  # what there is
 
@@ -427,7 +434,7 @@ def test_too_few_entries_for_so_many_parameters_are_refused(database: Database) 
 def test_height_is_zero_where_nothing_is_said(database: Database) -> None:
     database.record(recording())
     squat = {"amplitude": 0.03, "frequency": 0.25, "height": 0.0}
-    key = TaskKey.of("hermes_lower", "squat", ("com.z",), squat)
+    key = EntryKey.of("hermes_lower", "squat", ("com.z",), squat)
     (entry,) = database.entries()
     assert entry.key == key
     database.record(recording(key=key, applied=entry.served.weights, error=0.5e-3))
@@ -439,7 +446,7 @@ def test_height_is_zero_where_nothing_is_said(database: Database) -> None:
 
 def test_squats_below_home_are_other_entries_to_generalise_over(database: Database) -> None:
     for height in (-0.02, 0.0, 0.02):
-        key = TaskKey.of("hermes_lower", "squat", ("com.z",), {**SQUAT, "height": height})
+        key = EntryKey.of("hermes_lower", "squat", ("com.z",), {**SQUAT, "height": height})
         database.record(recording(key=key))
     assert len(database.entries()) == 3
     between = database.query("squat", **SQUAT, height=-0.01)
@@ -479,7 +486,7 @@ def test_a_recording_without_frequency_is_refused(database: Database) -> None:
 
 def test_motions_of_somebodys_own_have_parameters_as_they_come(database: Database) -> None:
     for depth in (1.0, 2.0):
-        key = TaskKey.of("hermes_lower", "bow", ("com.z",), {"depth": depth})
+        key = EntryKey.of("hermes_lower", "bow", ("com.z",), {"depth": depth})
         database.record(recording(key=key))
     assert database.query("bow", depth=1.0).kind == "learned"
     assert database.query("bow", depth=1.5).kind == "generalised"
@@ -543,10 +550,26 @@ def test_one_robots_entries_are_not_generalised_for_another(database: Database) 
 # files
 
 
-def test_a_folder_is_made_for_a_new_file(tmp_path: Path) -> None:
-    with Database(tmp_path / "a" / "b" / "d.sqlite") as database:
-        database.record(recording())
-    assert (tmp_path / "a" / "b" / "d.sqlite").is_file()
+def test_a_mistyped_folder_is_refused_rather_than_made(tmp_path: Path) -> None:
+    with pytest.raises(DatabaseError, match=rf"there is no folder {tmp_path / 'a'}.*make that"):
+        Database(tmp_path / "a" / "d.sqlite")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_only_the_usual_folder_is_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "a" / "b"
+    monkeypatch.setattr("platformdirs.user_data_dir", lambda _: str(folder))
+    with Database(default_path()) as database:
+        assert database.path == folder / "feedforward.sqlite"
+
+
+def test_a_usual_folder_that_cannot_be_made_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setattr("platformdirs.user_data_dir", lambda _: str(tmp_path / "file" / "b"))
+    with pytest.raises(DatabaseError, match="there is no folder"):
+        Database(default_path())
 
 
 def test_an_empty_file_is_a_new_database(path: Path) -> None:
@@ -586,6 +609,20 @@ def _truncated(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:2000])
 
 
+def _no_text_in_the_schema(path: Path) -> None:
+    Database(path).close()
+    path.write_bytes(path.read_bytes().replace(b"CREATE TABLE entry", b"CREATE T\xe4BLE entry"))
+
+
+def _older_and_damaged(path: Path, parameters: str) -> None:
+    with Database(path) as database:
+        database.record(recording())
+    with closing(sqlite3.connect(path)) as other:
+        other.execute("UPDATE entry SET parameters = ?", (parameters,))
+        other.execute("PRAGMA user_version = 2")
+        other.commit()
+
+
 NOT_OURS: dict[str, Callable[[Path], Any]] = {
     "random bytes": lambda path: path.write_bytes(np.random.default_rng(0).bytes(5000)),
     "text": lambda path: path.write_text("amplitude,frequency\n0.03,0.25\n"),
@@ -595,6 +632,10 @@ NOT_OURS: dict[str, Callable[[Path], Any]] = {
     "another application id": _other_application_id,
     "newer schema": _newer_schema,
     "truncated": _truncated,
+    "no text in the schema": _no_text_in_the_schema,
+    "older, with a number for parameters": partial(_older_and_damaged, parameters="5"),
+    "older, with cut parameters": partial(_older_and_damaged, parameters='{"amplitude": '),
+    "older, with endless parameters": partial(_older_and_damaged, parameters="[" * 5000),
 }
 
 
@@ -671,7 +712,7 @@ def test_concurrent_recordings_are_all_kept(path: Path) -> None:
                     database.record(recording(0.01 + index / 1000, robot=robot))
                     # one entry that both write to, each time with weights of its own
                     applied = np.full((1, BASIS.L), index + (robot == "two") / 2 + 1.0)
-                    database.record(recording(robot="shared", applied=applied, update=False))
+                    database.record(recording(robot="shared", applied=applied), told(update=False))
         except BaseException as error:
             problems.append(error)
 
@@ -723,12 +764,13 @@ import test_database as t
 database = t.Database(sys.argv[1])
 entry, _ = database.record(t.recording(error=1e-3))
 database.record(t.recording(0.05))
-with database._transaction():
-    database._delete(entry.identifier)
-    database._execute("UPDATE entry SET robot = 'nobody'")
+file = database._file
+with file.transaction():
+    database._rows.delete(entry.identifier)
+    file.execute("UPDATE entry SET robot = 'nobody'")
     # as if the pages had been written out before the end of the transaction
-    database._connection.execute("PRAGMA cache_spill = 1")
-    database._execute("UPDATE iteration SET weights = weights || ?", (" " * 5_000_000,))
+    file.connection.execute("PRAGMA cache_spill = 1")
+    file.execute("UPDATE iteration SET weights = weights || ?", (" " * 5_000_000,))
     os._exit(9)
 """
 
@@ -830,16 +872,16 @@ def test_an_entry_forgotten_while_it_is_read_is_not_half_read(
 ) -> None:
     with Database(path) as database, Database(path) as other:
         database.record(recording())
-        execute = database._execute
+        execute = database._file.execute
 
         def forgotten_in_between(statement: str, values: tuple[Any, ...] = ()) -> Any:
             if "FROM iteration" in statement:
-                other._connection.execute("PRAGMA busy_timeout = 50")
+                other._file.connection.execute("PRAGMA busy_timeout = 50")
                 with suppress(DatabaseError):  # locked out by the reader, as it should be
                     other.forget(1)
             return execute(statement, values)
 
-        monkeypatch.setattr(database, "_execute", forgotten_in_between)
+        monkeypatch.setattr(database._file, "execute", forgotten_in_between)
         assert all(entry.iterations for entry in database.entries())
 
 
@@ -868,7 +910,7 @@ def test_an_unknown_kind_is_refused(trained: Database) -> None:
 
 def test_after_a_restart_with_other_axes_the_new_entry_is_served(database: Database) -> None:
     database.record(recording(axes=("com.z",)))
-    database.record(recording(axes=("body.z",), restart=True))
+    database.record(recording(axes=("body.z",)), told(restart=True))
     assert database.query("squat", amplitude=0.03, frequency=0.25).axes == ("body.z",)
 
 
@@ -935,7 +977,7 @@ def test_a_version_1_file_is_brought_up_to_date(path: Path) -> None:
             first, second, own = database.entries()
         assert dict(first.key.parameters) == {"amplitude": 0.02, "frequency": 0.25, "height": 0.0}
         assert dict(own.key.parameters) == {"depth": 1.0}
-        assert (first.learning_gain, first.rule) == (0.5, "guarded")
+        assert (first.learning_gain, first.rule.name) == (0.5, "guarded")
         assert first.updated == "2026-01-02T03:04:05+00:00"
         assert [item.errors for item in second.iterations] == [{"rms_error_m": 0.01}, None]
         assert [item.feedback for item in second.iterations] == [None, None]
@@ -1003,10 +1045,10 @@ def test_an_entry_from_a_file_goes_on_like_one_in_memory(path: Path) -> None:
         position_error = (1e-3 * error * np.cos(PHASE) + noise)[None, :]
         lap = Lap(PHASE, 50 * position_error, position_error, 0.03 * np.sin(PHASE)[None, :])
         applied = kept.served.weights if kept.iterations else np.zeros((1, BASIS.L))
-        made = recording(applied=applied, error=error, laps=[lap], rule="stable")
-        kept.add(made)
+        made = recording(applied=applied, error=error, laps=[lap])
+        kept.add(made, told("stable"))
         with Database(path) as database:  # opened anew each time
-            stored, _ = database.record(made)
+            stored, _ = database.record(made, told("stable"))
         kept.key, kept.identifier, kept.updated = stored.key, stored.identifier, stored.updated
         assert_same(kept, stored)
     with Database(path) as database:
@@ -1168,7 +1210,28 @@ def test_regions_that_make_no_sense_are_refused(
     [
         "UPDATE entry SET context = '{}'",
         "UPDATE entry SET axes = 'com.z'",
+        "UPDATE entry SET axes = '[]'",
+        "UPDATE entry SET axes = '[[1]]'",
+        "UPDATE entry SET parameters = '5'",
+        "UPDATE entry SET parameters = '[\"com.z\"]'",
+        """UPDATE entry SET parameters = '{"amplitude": 1e999}'""",
+        "UPDATE entry SET basis_size = 1e300",
+        "UPDATE entry SET basis_size = 24",
+        "UPDATE entry SET basis_width = 'wide'",
+        "UPDATE entry SET learning_gain = x'00ff'",
+        "UPDATE entry SET rule = 'unruly'",
+        """UPDATE entry SET context = '{"gains": 1}'""",
         "UPDATE iteration SET weights = '[[1.0, '",
+        "UPDATE iteration SET weights = '[[1.0]]'",
+        "UPDATE iteration SET weights = replace(weights, '[[', '[[NaN, ')",
+        """UPDATE iteration SET weights = '{"amplitude": 1}'""",
+        "UPDATE iteration SET errors = '{}'",
+        "UPDATE iteration SET errors = 'NaN'",
+        """UPDATE iteration SET errors = '{"rms_error_m": null}'""",
+        f"UPDATE iteration SET errors = '{'[' * 5000}'",
+        "UPDATE iteration SET gains = '[1]'",
+        "UPDATE iteration SET feedback = '[[null]]'",
+        "UPDATE iteration SET number = 'first' WHERE number = 0",
     ],
 )
 def test_a_damaged_entry_is_named(path: Path, damage: str) -> None:

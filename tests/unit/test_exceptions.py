@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import inspect
+import os
 import pickle
+import re
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +11,7 @@ import pytest
 
 from tsd_casadi import exceptions
 from tsd_casadi.exceptions import TsdError
+from tsd_casadi.wire.error import ErrorMessage
 
 HERE = Path("/some/where/robot.yaml")
 # every class: its arguments, the attributes it carries, words its message needs
@@ -48,6 +51,16 @@ CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
         ["gcc -O2 a.c", "last"],
     ),
     "CacheNotPrivate": ((HERE,), {"path": HERE}, [str(HERE), "chmod 700", "TSD_CACHE_DIR"]),
+    "CacheNotWritable": (
+        (HERE, "No space left on device"),
+        {"path": HERE, "reason": "No space left on device"},
+        [str(HERE), "No space left on device", "make room", "TSD_CACHE_DIR"],
+    ),
+    "NotLoadable": (
+        (HERE, "file too short"),
+        {"path": HERE, "reason": "file too short"},
+        [str(HERE), "file too short", "delete it", "TSD_CACHE_DIR"],
+    ),
     "ParityError": (
         ("hermes_lower", "mass matrix", 1e-3, 1e-9),
         {"quantity": "mass matrix", "difference": 1e-3},
@@ -70,7 +83,8 @@ CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
         {"role": "controller", "endpoints": ["tcp/127.0.0.1:7447"]},
         ["no controller", "tcp/127.0.0.1:7447", "timeout", "tsd controller", "--connect"],
     ),
-    "ServiceError": (("not_found", "nothing there"), {"code": "not_found"}, ["nothing there"]),
+    "ServiceFailed": (("internal", "it broke"), {"code": "internal"}, ["it broke"]),
+    "ServiceNotReady": (("not ready after 1 s",), {}, ["not ready after 1 s"]),
     "EndpointTaken": (
         ("learner", "tcp/127.0.0.1:7448", "in use"),
         {"endpoint": "tcp/127.0.0.1:7448"},
@@ -81,6 +95,9 @@ CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
 }
 
 
+FAMILIES = ("RobotError", "ControllerError", "LearningError", "ServiceError")
+
+
 def every_class() -> dict[str, type[TsdError]]:
     return {
         name: value
@@ -89,8 +106,37 @@ def every_class() -> dict[str, type[TsdError]]:
     }
 
 
+def subclasses(parent: type[TsdError]) -> set[type[TsdError]]:
+    return {parent}.union(*map(subclasses, parent.__subclasses__()))
+
+
 def test_every_class_is_tested_here() -> None:
-    assert every_class().keys() == CASES.keys()
+    assert every_class().keys() == CASES.keys() | set(FAMILIES)
+
+
+def test_every_class_can_be_imported_from_the_package() -> None:
+    ours = {kind for kind in subclasses(TsdError) if kind.__module__.startswith("tsd_")}
+    assert ours == set(every_class().values())
+    assert set(exceptions.__all__) == {*every_class(), "class_of"}
+
+
+def test_the_tree_of_the_docstring_is_that_of_the_classes() -> None:
+    tree = re.findall(r"^    ([│├└─ ]*)(\w+)", exceptions.__doc__ or "", re.MULTILINE)
+    parents: dict[str, str] = {}
+    above: list[str] = []
+    for branch, name in tree:
+        depth = len(branch) // 4
+        above[depth:] = [name]
+        parents[name] = above[depth - 1] if depth else "Exception"
+    assert parents == {name: kind.__bases__[0].__name__ for name, kind in every_class().items()}
+
+
+def test_a_family_is_nothing_that_is_raised_itself() -> None:
+    for name in FAMILIES:
+        kind = every_class()[name]
+        assert kind.__bases__ == (TsdError,)
+        assert "code" not in vars(kind)
+        assert subclasses(kind) != {kind}
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -109,10 +155,43 @@ def test_data_are_attributes_and_the_message_says_it_all(name: str) -> None:
 
 
 def test_codes_are_distinct_words() -> None:
-    # a ServiceError repeats the code of the service
-    codes = [kind.code for name, kind in every_class().items() if name != "ServiceError"]
+    # a ServiceFailed repeats the code of the service
+    kinds = [kind for name, kind in every_class().items() if name != "ServiceFailed"]
+    codes = [kind.code for kind in kinds if kind.__name__ not in FAMILIES]
     assert len(set(codes)) == len(codes)
     assert all(code.isidentifier() and code.islower() for code in codes)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_an_error_arrives_as_what_it_was(name: str) -> None:
+    arguments, attributes, _ = CASES[name]
+    sent = every_class()[name](*arguments)
+    arrived = ErrorMessage.decode(ErrorMessage.of(sent).encode()).error()
+    assert type(arrived) is type(sent)
+    assert (str(arrived), arrived.code) == (str(sent), sent.code)
+    # the wire carries nothing else
+    for attribute in attributes.keys() - {"code"}:
+        assert getattr(arrived, attribute) is None
+    again = pickle.loads(pickle.dumps(arrived))
+    assert (type(again), str(again), again.code) == (type(sent), str(sent), sent.code)
+
+
+@pytest.mark.parametrize("code", ["internal", "of_a_later_version", ""])
+def test_an_unknown_code_is_kept(code: str) -> None:
+    arrived = ErrorMessage(code=code, message="it broke").error()
+    assert isinstance(arrived, exceptions.ServiceFailed)
+    assert (str(arrived), arrived.code) == ("it broke", code)
+
+
+def test_an_error_reply_has_code_and_message_only() -> None:
+    body = ErrorMessage.of(exceptions.InvalidValue("laps", 0, "2")).encode()
+    assert body == b'{"code":"invalid_value","message":"laps is 0, expected 2"}'
+
+
+def test_a_path_that_is_no_text_can_be_told() -> None:
+    path = Path(os.fsdecode(b"/some/\xff.sqlite"))
+    message = ErrorMessage.of(exceptions.DatabaseError(path, "is locked", "wait"))
+    assert "/some/?.sqlite: is locked" in ErrorMessage.decode(message.encode()).message
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -36,7 +36,7 @@ def closed_form_values(phase: float) -> list[float]:
     return [bump / sum(bumps) for bump in bumps]
 
 
-@settings(max_examples=40)
+@settings(max_examples=settings.default.max_examples // 2)
 @given(phase=st.floats(-20, 20), seed=st.integers(0, 100))
 def test_mean_is_the_weighted_sum_of_normalised_bumps(phase: float, seed: int) -> None:
     feedforward = a_feedforward(seed)
@@ -46,7 +46,7 @@ def test_mean_is_the_weighted_sum_of_normalised_bumps(phase: float, seed: int) -
         assert feedforward.mean([phase])[row, 0] == pytest.approx(expected, abs=1e-12)
 
 
-@settings(max_examples=40)
+@settings(max_examples=settings.default.max_examples // 2)
 @given(phase=st.floats(-20, 20), seed=st.integers(0, 100))
 def test_std_is_the_same_sum_of_standard_deviations(phase: float, seed: int) -> None:
     feedforward = a_feedforward(seed)

@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 
 from tsd_casadi.encoding.harmonics import (
     SAMPLES,
-    analyse,
+    analyze,
     highest_harmonic,
     sample_phases,
-    synthesise,
+    synthesize,
     to_harmonics,
     to_weights,
 )
@@ -36,17 +36,17 @@ def test_harmonics_are_those_of_the_fourier_series() -> None:
     signal = 0.7 + 2 * np.cos(phi) - 3 * np.sin(4 * phi)
     expected = np.zeros(7, dtype=complex)
     expected[[0, 1, 4]] = 0.7, 1.0, 1.5j
-    np.testing.assert_allclose(analyse(signal[None, :], 6)[0], expected, atol=1e-14)
+    np.testing.assert_allclose(analyze(signal[None, :], 6)[0], expected, atol=1e-14)
 
 
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 3)
 @given(seed=st.integers(0, 1000), highest=st.integers(1, SAMPLES // 2 - 1))
 def test_signals_come_back_from_their_harmonics(seed: int, highest: int) -> None:
     harmonics = random_harmonics(seed, highest)
-    np.testing.assert_allclose(analyse(synthesise(harmonics), highest), harmonics, atol=1e-12)
+    np.testing.assert_allclose(analyze(synthesize(harmonics), highest), harmonics, atol=1e-12)
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(seed=st.integers(0, 1000))
 def test_harmonics_of_weights_are_integrals_over_the_lap(seed: int) -> None:
     weights = np.random.default_rng(seed).normal(size=(2, BASIS.L))
@@ -56,19 +56,19 @@ def test_harmonics_of_weights_are_integrals_over_the_lap(seed: int) -> None:
     np.testing.assert_allclose(to_harmonics(BASIS, weights), np.transpose(integrals), atol=1e-12)
 
 
-@settings(max_examples=20)
-@given(seed=st.integers(0, 1000), centres=st.integers(0, 24))
-def test_moving_the_weights_turns_the_harmonics(seed: int, centres: int) -> None:
+@settings(max_examples=settings.default.max_examples // 5)
+@given(seed=st.integers(0, 1000), centers=st.integers(0, 24))
+def test_moving_the_weights_turns_the_harmonics(seed: int, centers: int) -> None:
     weights = np.random.default_rng(seed).normal(size=(1, BASIS.L))
-    turned = np.exp(-2j * np.pi * np.arange(13) * centres / BASIS.L)
+    turned = np.exp(-2j * np.pi * np.arange(13) * centers / BASIS.L)
     np.testing.assert_allclose(
-        to_harmonics(BASIS, np.roll(weights, centres, axis=1)),
+        to_harmonics(BASIS, np.roll(weights, centers, axis=1)),
         to_harmonics(BASIS, weights) * turned,
         atol=1e-12,
     )
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(seed=st.integers(0, 1000))
 def test_weights_keep_each_harmonic_apart_and_the_low_ones_whole(seed: int) -> None:
     harmonics = random_harmonics(seed)

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from tsd_casadi import Command, Controller, InverseDynamics, Robot, Status, Tick, load_robot
 from tsd_casadi.costs.null_space_posture import DAMPING, null_space_projector
 from tsd_casadi.formulation.inverse_dynamics import QuadraticProgram
-from tsd_casadi.robot.robot_file import COM_AXES, FRAME_AXES
+from tsd_casadi.robot.robot_file_sections import COM_AXES, FRAME_AXES
 from tsd_casadi.tasks.task import pack_lower_triangle
 
 EACH = 250

@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 import zenoh
 
+from tsd_casadi.exceptions import InvalidValue, MalformedMessage
 from tsd_casadi.wire import keys
 
 ROBOT = "hermes_lower"
@@ -58,3 +59,14 @@ def test_no_two_keys_meet() -> None:
         for other in ALL:
             meets = zenoh.KeyExpr(one).intersects(zenoh.KeyExpr(other))
             assert meets == (one == other)
+
+
+@pytest.mark.parametrize("robot", ["", "a/b", "**", "a*", "$*", "a#b", "a?b=1", "@a", "/"])
+def test_what_cannot_be_a_chunk_is_no_robot(robot: str) -> None:
+    with pytest.raises(InvalidValue, match="the name of a robot"):
+        keys.tick_key(robot)
+
+
+def test_a_key_without_a_robot_is_told() -> None:
+    with pytest.raises(MalformedMessage, match="tsd/<robot>"):
+        keys.robot_of("tsd")

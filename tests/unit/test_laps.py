@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tsd_casadi.encoding.laps import (
@@ -11,7 +11,6 @@ from tsd_casadi.encoding.laps import (
     Lap,
     first_steady_lap,
     join_laps,
-    join_positions,
 )
 
 PHASE = np.linspace(0, 2 * np.pi, 200, endpoint=False)
@@ -102,7 +101,6 @@ def test_growing_oscillation_is_never_steady() -> None:
     assert first_steady_lap([lap(0.0, 1.1**index) for index in range(10)]) is None
 
 
-@settings(max_examples=60)
 @given(st.lists(st.sampled_from([1.0, 1.005, 2.0, 5.0]), max_size=8))
 def test_steady_laps_are_the_longest_agreeing_suffix(means: list[float]) -> None:
     first = first_steady_lap([lap(mean) for mean in means])
@@ -118,20 +116,23 @@ def test_steady_laps_are_the_longest_agreeing_suffix(means: list[float]) -> None
 def test_join_keeps_order_and_whole_laps() -> None:
     one = Lap(np.arange(5.0), np.arange(10.0).reshape(2, 5))
     other = Lap(np.arange(5.0, 8.0), np.arange(6.0).reshape(2, 3))
-    phase, feedback = join_laps([one, other])
-    np.testing.assert_array_equal(phase, np.arange(8.0))
-    np.testing.assert_array_equal(feedback, np.hstack([one.feedback, other.feedback]))
+    joined = join_laps([one, other])
+    np.testing.assert_array_equal(joined.phase, np.arange(8.0))
+    np.testing.assert_array_equal(joined.feedback, np.hstack([one.feedback, other.feedback]))
 
 
 def test_positions_are_joined_in_order() -> None:
     laps = [Lap(PHASE, WAVE[None, :], i * WAVE[None, :], WAVE[None, :] + i) for i in (1, 2)]
-    joined = join_positions(laps)
-    assert joined is not None
-    np.testing.assert_array_equal(joined[0], np.hstack([WAVE, 2 * WAVE])[None, :])
-    np.testing.assert_array_equal(joined[1], np.hstack([WAVE + 1, WAVE + 2])[None, :])
+    joined = join_laps(laps)
+    assert joined.error is not None
+    assert joined.reference is not None
+    np.testing.assert_array_equal(joined.error, np.hstack([WAVE, 2 * WAVE])[None, :])
+    np.testing.assert_array_equal(joined.reference, np.hstack([WAVE + 1, WAVE + 2])[None, :])
 
 
 def test_positions_are_unknown_if_one_lap_has_none() -> None:
     whole = Lap(PHASE, WAVE[None, :], WAVE[None, :], WAVE[None, :])
     for other in (lap(), Lap(PHASE, WAVE[None, :], WAVE[None, :])):
-        assert join_positions([whole, other]) is None
+        joined = join_laps([whole, other])
+        assert joined.error is None
+        assert joined.reference is None

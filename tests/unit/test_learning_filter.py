@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tsd_casadi.learning.learning_filter import CAUTION, LARGEST_CONTRACTION, design_filter
@@ -83,7 +83,6 @@ def test_the_mean_is_always_learned() -> None:
     assert found.bandwidth == 0
 
 
-@settings(max_examples=100)
 @given(
     gain=st.floats(0.7, 1.3),
     delay=st.floats(0.0, 0.03),

@@ -49,7 +49,7 @@ def test_the_same_repetition_twice_tells_nothing() -> None:
     np.testing.assert_allclose(list(vars(found).values()), list(vars(LoopResponse()).values()))
 
 
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 3)
 @given(
     gain=st.floats(0.8, 1.2),
     delay=st.floats(0.0, 0.035),

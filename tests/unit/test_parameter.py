@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from tsd_casadi import Squat
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.motions.parameter import (
-    TASK_PARAMETERS,
+    MOTION_PARAMETERS,
     complete_parameters,
     default_parameters,
     unit_of,
@@ -18,7 +18,7 @@ POSITIVE = st.floats(1e-3, 1e5)
 
 def test_the_table_has_the_parameters_of_the_motions() -> None:
     squat = Squat(0.03, 0.25)
-    assert {item.name for item in TASK_PARAMETERS[squat.name]} == squat.parameters.keys()
+    assert {item.name for item in MOTION_PARAMETERS[squat.name]} == squat.parameters.keys()
     assert default_parameters(squat.name) == {"height": squat.height}
 
 
@@ -30,7 +30,7 @@ def test_units(name: str, unit: str) -> None:
     assert unit_of("bow", name) == ""
 
 
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 3)
 @given(amplitude=POSITIVE, frequency=POSITIVE, height=st.floats(-1e5, 1e5))
 def test_what_makes_sense_is_taken_as_it_is(
     amplitude: float, frequency: float, height: float
@@ -57,10 +57,10 @@ def test_what_makes_no_sense_is_refused_by_name(changes: dict[str, float], messa
         complete_parameters("squat", {"amplitude": 0.03, "frequency": 0.25, **changes})
 
 
-@pytest.mark.parametrize("task", ["squat", "bow"])
-def test_words_of_queries_are_no_parameters(task: str) -> None:
+@pytest.mark.parametrize("motion", ["squat", "bow"])
+def test_words_of_queries_are_no_parameters(motion: str) -> None:
     with pytest.raises(InvalidValue, match="parameter 'kind' is 1, expected another name"):
-        complete_parameters(task, {"kind": 1.0})
+        complete_parameters(motion, {"kind": 1.0})
 
 
 def test_what_is_missing_is_named() -> None:

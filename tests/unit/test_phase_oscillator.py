@@ -3,7 +3,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tsd_casadi.encoding.phase_oscillator import PhaseOscillator
@@ -30,7 +30,6 @@ def test_laps_of_whole_ticks_all_have_the_same_number(frequency: float) -> None:
     assert ticks == [round(1 / frequency / DT)] * 6
 
 
-@settings(max_examples=60)
 @given(frequency=st.floats(0.05, 1.0), start=st.floats(0, 7))
 def test_a_lap_is_the_ticks_of_one_period_up_to_one(frequency: float, start: float) -> None:
     oscillator = PhaseOscillator(frequency, start)

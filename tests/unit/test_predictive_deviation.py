@@ -19,7 +19,7 @@ from tsd_casadi.generalization.predictive_deviation import (
 BASIS = PeriodicBasis()
 
 
-@settings(max_examples=25)
+@settings(max_examples=settings.default.max_examples // 4)
 @given(seed=st.integers(0, 1000), n=st.integers(2, 12), noise=st.floats(1e-4, 1.0))
 def test_leave_one_out_is_what_leaving_out_gives(seed: int, n: int, noise: float) -> None:
     rng = np.random.default_rng(seed)
@@ -49,7 +49,7 @@ def test_scale_is_the_rms_of_residuals_that_are_alike_everywhere() -> None:
 
 def test_scale_is_larger_where_the_residuals_are() -> None:
     rng = np.random.default_rng(0)
-    magnitude = np.where(np.abs(BASIS.centres - np.pi) < 0.5, 1.0, 0.1)
+    magnitude = np.where(np.abs(BASIS.centers - np.pi) < 0.5, 1.0, 0.1)
     residuals = rng.normal(size=(12, 1, BASIS.L)) * magnitude
     scale = deviation_scale(BASIS, residuals)[0]
     assert scale[magnitude == 1.0].min() > 1.2 * scale[magnitude < 1.0].max()
@@ -66,7 +66,7 @@ def test_axes_do_not_mix() -> None:
     np.testing.assert_allclose(both[1:], deviation_scale(BASIS, other))
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(factor=st.floats(1e-6, 1e6), seed=st.integers(0, 100))
 def test_scale_has_the_unit_of_the_residuals(factor: float, seed: int) -> None:
     residuals = np.random.default_rng(seed).normal(size=(5, 2, BASIS.L))

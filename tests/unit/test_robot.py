@@ -30,6 +30,13 @@ def test_unknown_robot_lists_the_known_ones(robot: Robot) -> None:
     assert ".yaml" in str(caught.value)
 
 
+@pytest.mark.parametrize("name", ["x" * 5000, "~no_such_user/robot.yaml", "a\0b", "", "/", "."])
+def test_what_cannot_be_a_path_is_no_robot(name: str) -> None:
+    with pytest.raises(UnknownRobot) as caught:
+        load_robot(name)
+    assert caught.value.name == name
+
+
 def test_robot_loads_from_a_folder_elsewhere(robot: Robot, write_robot: WriteRobot) -> None:
     other = load_robot(str(write_robot()))
     assert other.weight == robot.weight
@@ -100,10 +107,11 @@ def test_feet_not_flat(joint: str, write_robot: WriteRobot) -> None:
 
 
 @pytest.mark.parametrize("field", ["urdf", "scene"])
-def test_missing_file(field: str, write_robot: WriteRobot) -> None:
-    error = error_of(write_robot(lambda d: d.update({field: "gone.xml"})))
+@pytest.mark.parametrize("name", ["gone.xml", "x" * 5000, ".", "a\0b"])
+def test_missing_file(field: str, name: str, write_robot: WriteRobot) -> None:
+    error = error_of(write_robot(lambda d: d.update({field: name})))
     assert error.field == field
-    assert "gone.xml" in str(error)
+    assert name in str(error)
     assert "relative to this file" in error.expected
 
 

@@ -9,7 +9,8 @@ import pytest
 
 from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import RobotFileError
-from tsd_casadi.robot.robot_file import HardwareFile, read_robot_file
+from tsd_casadi.robot.robot_file import read_robot_file
+from tsd_casadi.robot.robot_file_sections import HardwareFile
 
 Edit = Callable[[Any], object]
 WriteRobot = Callable[..., Path]
@@ -225,3 +226,26 @@ def test_misspelled_field_is_named_and_not_the_missing_one(write_robot: WriteRob
     with pytest.raises(RobotFileError, match="misspelling") as caught:
         load_robot(write_robot(misspell))
     assert caught.value.field == "limit"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "when: 2024-99-99",
+        "number: 0b_",
+        "number: !!int ''",
+        "number: !!float x",
+        "switch: !!bool x",
+        "when: !!timestamp x",
+        f"number: {'9' * 5000}",
+        f"deep: {'[' * 2000}",
+        f"deep: {'[' * 2000}{']' * 2000}",
+    ],
+    ids=lambda line: line[:20],
+)
+def test_what_the_yaml_library_trips_over_is_told(line: str, tmp_path: Path) -> None:
+    path = tmp_path / "robot.yaml"
+    path.write_text(f"name: a\n{line}\n")
+    with pytest.raises(RobotFileError, match="is not YAML") as caught:
+        read_robot_file(path)
+    assert caught.value.path == path

@@ -9,12 +9,16 @@ import numpy as np
 import pytest
 
 from tsd_casadi.encoding.harmonics import to_harmonics, to_weights
-from tsd_casadi.encoding.laps import Lap
+from tsd_casadi.encoding.laps import Lap, fit_laps
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.learning.entry import Entry
-from tsd_casadi.learning.iterative_learning import Trial, update_stably, update_weights
+from tsd_casadi.learning.entry_key import EntryKey
+from tsd_casadi.learning.instruction import Instruction
+from tsd_casadi.learning.iteration import FittedRepetition
+from tsd_casadi.learning.iterative_learning import update_stably, update_weights
 from tsd_casadi.learning.loop_response import estimate_response
-from tsd_casadi.learning.recording import Context, Recording, Rule, TaskKey
+from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.rules.by_name import find_rule
 
 BASIS = PeriodicBasis()
 NOTHING = np.zeros((1, BASIS.L))
@@ -83,10 +87,11 @@ class LinearPlant:
         return np.abs((self.P + 1j * self.omega * self.D) * np.array(harmonics))
 
 
-def trial_of(weights: np.ndarray, lap: Lap) -> Trial:
-    assert lap.error is not None
-    assert lap.reference is not None
-    return Trial(weights, BASIS.fit(lap.phase, lap.error), BASIS.fit(lap.phase, lap.reference))
+def fitted(weights: np.ndarray, lap: Lap) -> FittedRepetition:
+    found = fit_laps([lap], BASIS)
+    assert found.error is not None
+    assert found.reference is not None
+    return FittedRepetition(weights, found.error, found.reference)
 
 
 def rms(lap: Lap) -> float:
@@ -101,7 +106,7 @@ class Learning:
         self.plant = plant
         self.gains = {"P": [plant.P], "D": [plant.D]}
         parameters = {"amplitude": plant.amplitude, "frequency": plant.frequency}
-        self.key = TaskKey.of("r", "squat", ("com.z",), parameters)
+        self.key = EntryKey.of("r", "squat", ("com.z",), parameters)
         self.entry = Entry(self.key, BASIS, self.context)
         self.errors: list[float] = []
         self.laps: list[Lap] = []
@@ -110,12 +115,13 @@ class Learning:
     def context(self) -> Context:
         return Context("00ff", "abcd", self.gains, "0.1.0")
 
-    def repeat(self, rule: Rule, times: int = 1) -> None:
+    def repeat(self, rule: str, times: int = 1) -> None:
         for _ in range(times):
             weights = self.entry.served.weights if self.entry.iterations else NOTHING
             lap = self.plant.repeat(weights)
             errors = {"rms_error_m": rms(lap)}
-            self.entry.add(Recording(self.key, BASIS, weights, [lap], errors, self.context, rule))
+            recording = Recording(self.key, BASIS, weights, [lap], errors, self.context)
+            self.entry.add(recording, Instruction(find_rule(rule)))
             self.errors.append(rms(lap))
             self.laps.append(lap)
 
@@ -124,7 +130,7 @@ class Learning:
 def test_the_plain_sum_leaves_of_each_harmonic_what_is_predicted(gain: float, delay: float) -> None:
     plant = LinearPlant(gain, delay)
     before = plant.repeat(NOTHING)
-    after = plant.repeat(update_weights(NOTHING, [before], BASIS))
+    after = plant.repeat(update_weights(NOTHING, fit_laps([before], BASIS).feedback))
     left = plant.feedback_of(after) / plant.feedback_of(before)
     excited = list(EXCITED)
     np.testing.assert_allclose(left[excited], plant.sensitivity[excited], rtol=0.03)
@@ -137,13 +143,13 @@ def test_gain_and_delay_are_found_from_three_repetitions(gain: float, delay: flo
     plant = LinearPlant(gain, delay)
     harmonics = np.zeros((2, 1, 13), dtype=complex)
     harmonics[:, 0, :7] = np.random.default_rng(1).normal(0, 0.2, (2, 7))
-    trials = [
-        trial_of(weights, plant.repeat(weights))
+    repetitions = [
+        fitted(weights, plant.repeat(weights))
         for weights in (NOTHING, *(to_weights(BASIS, each) for each in harmonics))
     ]
     found = estimate_response(
-        np.array([to_harmonics(BASIS, trial.weights)[0] for trial in trials]),
-        np.array([to_harmonics(BASIS, trial.error)[0] for trial in trials]),
+        np.array([to_harmonics(BASIS, each.weights)[0] for each in repetitions]),
+        np.array([to_harmonics(BASIS, each.error)[0] for each in repetitions]),
         plant.omega,
         plant.P,
         plant.D,
@@ -158,7 +164,7 @@ def test_with_a_perfect_model_one_repetition_is_enough() -> None:
     # left over is what the assumed delay of 5 ms is wrong by, |1 - exp(j omega 0.005)| at most
     plant = LinearPlant(frequency=0.25)
     before = plant.repeat(NOTHING, laps=3)
-    update = update_stably([trial_of(NOTHING, before)], BASIS, 0.25, [50.0], [14.0])
+    update = update_stably([fitted(NOTHING, before)], BASIS, 0.25, [50.0], [14.0])
     phase = np.linspace(0, 2 * np.pi, 400)
     wanted = [-rich(phi, 0.0) for phi in phase]
     np.testing.assert_allclose(BASIS.evaluate(phase, update.weights)[0], wanted, atol=0.08)
@@ -229,11 +235,8 @@ def test_the_learning_gain_comes_back_with_success() -> None:
     entry = learning.entry
     worse = {"rms_error_m": 1.0}
     lap = learning.plant.repeat(entry.served.weights)
-    entry.add(
-        Recording(
-            learning.key, BASIS, entry.served.weights, [lap], worse, learning.context, "stable"
-        )
-    )
+    made = Recording(learning.key, BASIS, entry.served.weights, [lap], worse, learning.context)
+    entry.add(made, Instruction(find_rule("stable")))
     assert entry.learning_gain == 0.5
     (account,) = entry.contractions
     predicted = [value for value in account.predicted if value is not None]

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pinocchio
@@ -17,7 +16,6 @@ from tsd_casadi.motions.hold import hold
 from tsd_casadi.robot.standing import stand
 from tsd_casadi.tick.command import Command
 
-MINI = Path(__file__).parents[1] / "robots" / "mini_biped" / "mini_biped.yaml"
 HERMES = load_robot("hermes_lower")
 HEIGHTS = st.floats(-0.12, 0.12)
 
@@ -36,7 +34,7 @@ def turn(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.asarray((Rotation.from_quat(other).inv() * Rotation.from_quat(one)).as_rotvec())
 
 
-@settings(max_examples=25)
+@settings(max_examples=settings.default.max_examples // 4)
 @given(height=HEIGHTS)
 def test_soles_and_base_stay_and_the_centre_of_mass_rises_straight(height: float) -> None:
     state = stand(HERMES, height)
@@ -46,7 +44,7 @@ def test_soles_and_base_stay_and_the_centre_of_mass_rises_straight(height: float
     assert not state.v.any()
 
 
-@settings(max_examples=25)
+@settings(max_examples=settings.default.max_examples // 4)
 @given(height=HEIGHTS)
 def test_joints_stay_inside_their_limits(height: float) -> None:
     q = stand(HERMES, height).q[7:]
@@ -90,15 +88,14 @@ def test_impossible_heights_are_refused(robot: Robot, height: float) -> None:
     assert caught.value.field == "height"
 
 
-def test_what_only_the_joint_limits_forbid_is_refused() -> None:
+def test_what_only_the_joint_limits_forbid_is_refused(mini_biped: Robot) -> None:
     # this robot's legs are sliders: nothing but their ends stops it
-    mini = load_robot(MINI)
-    slide = 7 + mini.joint_names.index("near_slide")
-    room = mini.model.upperPositionLimit[slide] - mini.home.q[slide]
+    slide = 7 + mini_biped.joint_names.index("near_slide")
+    room = mini_biped.model.upperPositionLimit[slide] - mini_biped.home.q[slide]
     # the centre of mass rises by less than the legs grow
-    assert stand(mini, 0.5 * room).q[slide] < mini.model.upperPositionLimit[slide]
+    assert stand(mini_biped, 0.5 * room).q[slide] < mini_biped.model.upperPositionLimit[slide]
     with pytest.raises(InvalidValue, match="mini_biped"):
-        stand(mini, 1.2 * room)
+        stand(mini_biped, 1.2 * room)
 
 
 def test_holding_home_is_the_default(problem: InverseDynamics, robot: Robot) -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import pytest
@@ -8,7 +9,14 @@ import pytest
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.wire.feedforward import QuantityMessage
 from tsd_casadi.wire.learner import DatabaseReply, EntryMessage
-from tsd_clients.console import tables
+from tsd_clients.console.learner_tables import (
+    describe_parameters,
+    print_contractions,
+    print_entries,
+    print_places,
+)
+from tsd_clients.console.run_tables import print_accuracy, print_goals, print_runs
+from tsd_clients.console.table import Column, console, print_table
 
 SUMMARY: dict[str, Any] = {
     "label": "baseline",
@@ -45,14 +53,29 @@ def an_entry(served: int) -> EntryMessage:
     )
 
 
+@contextmanager
+def console_of(width: int) -> Iterator[None]:
+    before, console.width = console.width, width
+    try:
+        yield
+    finally:
+        console.width = before
+
+
+@pytest.fixture(autouse=True)
+def wide() -> Iterator[None]:
+    with console_of(140):
+        yield
+
+
 def printed(show: Callable[[], None]) -> str:
-    with tables.console.capture() as capture:
+    with console.capture() as capture:
         show()
     return capture.get()
 
 
 def test_runs_are_shown_in_millimetres() -> None:
-    text = printed(lambda: tables.print_runs("squat", [SUMMARY]))
+    text = printed(lambda: print_runs("squat", [SUMMARY]))
     for part in ("baseline", "1.2346", "2.5000", "0.3000", "4.0000", "0.75037", "2/5", "55", "124"):
         assert part in text
     assert "fell" not in text
@@ -68,7 +91,7 @@ def test_runs_are_shown_in_millimetres() -> None:
     ],
 )
 def test_what_went_wrong_is_said_beside_the_label(changes: dict[str, Any], remark: str) -> None:
-    text = printed(lambda: tables.print_runs("squat", [{**SUMMARY, **changes}]))
+    text = printed(lambda: print_runs("squat", [{**SUMMARY, **changes}]))
     assert remark in " ".join(text.split())
 
 
@@ -78,7 +101,7 @@ def test_goals_say_whether_they_were_met() -> None:
         {"id": "two", "goal": "> 5", "measured": 4.0, "met": False},
         {"id": "three [min]", "goal": "< 5", "measured": None, "met": None},
     ]
-    text = printed(lambda: tables.print_goals(goals)).splitlines()
+    text = printed(lambda: print_goals(goals)).splitlines()
     assert any("one" in line and "met" in line for line in text)
     assert any("two" in line and "missed" in line for line in text)
     assert any("three [min]" in line and "not covered" in line for line in text)
@@ -86,14 +109,15 @@ def test_goals_say_whether_they_were_met() -> None:
 
 def test_entries_are_listed_with_units() -> None:
     reply = DatabaseReply(database="/tmp/d.sqlite", entries=[an_entry(0), an_entry(1)])
-    text = " ".join(printed(lambda: tables.print_entries(reply)).split())
-    for part in ("/tmp/d.sqlite", "42", "hermes_lower", "amplitude 0.03 m, frequency 0.25 Hz"):
+    text = " ".join(printed(lambda: print_entries(reply)).split())
+    for part in ("/tmp/d.sqlite", "42 hermes_lower squat 0.03 0.25", "amplitude frequency", "m Hz"):
         assert part in text
+    assert describe_parameters(an_entry(0)) == "amplitude 0.03 m, frequency 0.25 Hz"
 
 
 def test_entries_are_listed_with_what_is_served_and_how_good_it_is() -> None:
     reply = DatabaseReply(database="/tmp/d.sqlite", entries=[an_entry(0), an_entry(1)])
-    text = " ".join(printed(lambda: tables.print_entries(reply)).split())
+    text = " ".join(printed(lambda: print_entries(reply)).split())
     for part in ("served", "1.5000", "0.2500", "untested"):
         assert part in text
 
@@ -101,7 +125,7 @@ def test_entries_are_listed_with_what_is_served_and_how_good_it_is() -> None:
 def test_an_entry_of_somebodys_own_client_may_have_fewer_measures() -> None:
     entry = an_entry(0).model_copy(update={"iterations": [(0, {"rms_error_m": 1.5e-3}), (1, None)]})
     reply = DatabaseReply(database="/tmp/d.sqlite", entries=[entry])
-    assert "1.5000" in printed(lambda: tables.print_entries(reply))
+    assert "1.5000" in printed(lambda: print_entries(reply))
 
 
 def test_places_are_shown_with_units_and_what_was_known_before() -> None:
@@ -117,24 +141,21 @@ def test_places_are_shown_with_units_and_what_was_known_before() -> None:
             "rms_errors_m": [0.015, 0.002, 0.0005],
         },
     ]
-    lines = printed(lambda: tables.print_places("squat", places)).splitlines()
-    (first,) = [" ".join(line.split()) for line in lines if "-0.01 m" in line]
-    (second,) = [" ".join(line.split()) for line in lines if "0.08 m" in line]
-    assert first == "1 amplitude 0.05 m, frequency 0.4 Hz, height -0.01 m - - -"
-    assert second == "2 amplitude 0.08 m, frequency 0.6 Hz, height 0 m 0.0123 15.0000 0.5000"
+    lines = printed(lambda: print_places("squat", places)).splitlines()
+    (first,) = [" ".join(line.split()) for line in lines if "-0.01" in line]
+    (second,) = [" ".join(line.split()) for line in lines if "0.08" in line]
+    assert first == "1 0.05 0.4 -0.01 - - -"
+    assert second == "2 0.08 0.6 0 0.0123 15.0000 0.5000"
 
 
-def test_the_table_of_entries_fits_whole() -> None:
-    parameters = {
-        "amplitude": QuantityMessage(value=0.0365, unit="m"),
-        "frequency": QuantityMessage(value=0.207, unit="Hz"),
-        "height": QuantityMessage(value=-0.025, unit="m"),
-    }
-    entry = an_entry(0).model_copy(update={"parameters": parameters})
-    reply = DatabaseReply(database="/tmp/d.sqlite", entries=[entry])
-    text = printed(lambda: tables.print_entries(reply))
-    assert "amplitude 0.0365 m, frequency 0.207 Hz, height -0.025 m" in text
-    assert "…" not in text
+def test_a_parameter_that_a_motion_has_not_stays_empty() -> None:
+    depth = QuantityMessage(value=0.5, unit="")
+    other = an_entry(0).model_copy(update={"task": "bow", "parameters": {"depth": depth}})
+    reply = DatabaseReply(database="d", entries=[an_entry(0), other])
+    lines = printed(lambda: print_entries(reply)).splitlines()
+    heading, *rows = [line for line in lines if "depth" in line or "hermes" in line]
+    assert heading.split()[3:6] == ["m", "Hz", "depth"]
+    assert [row.split()[3:5] for row in rows] == [["0.03", "0.25"], ["0.5", "0/1"]]
 
 
 def test_contraction_is_shown_by_harmonic() -> None:
@@ -151,9 +172,81 @@ def test_contraction_is_shown_by_harmonic() -> None:
         delay=0.012,
         delay_deviation=0.003,
     )
-    text = printed(lambda: tables.print_contractions("squat", {"amplitude": 0.03}, [account]))
+    text = printed(lambda: print_contractions("squat", {"amplitude": 0.03}, [account]))
     for part in ("com.z", "amplitude 0.03 m", "0.95 ± 0.04", "12.0 ± 3.0 ms", "bandwidth 0.5 Hz"):
         assert part in text
     rows = [line.split() for line in text.splitlines()]
     assert ["1", "0.5", "0.40", "0.10", "-"] in rows
     assert ["2", "1", "1.20", "-", "0.97"] in rows
+
+
+COLUMNS = [
+    Column("name", ["one", "two words"], is_text=True),
+    Column("least", ["1", "2"], rank=9),
+    Column("number\nm", ["1.25", "2.5"]),
+    Column("more", ["3", "4"], rank=1),
+]
+
+
+def test_where_there_is_room_every_column_is_shown() -> None:
+    text = printed(lambda: print_table("title", COLUMNS))
+    assert [line.split() for line in text.splitlines()[-2:]] == [
+        ["one", "1", "1.25", "3"],
+        ["two", "words", "2", "2.5", "4"],
+    ]
+    assert "no room" not in text
+
+
+@pytest.mark.parametrize(
+    ("width", "left_out"), [(26, "least"), (20, "least, more"), (12, "least, more")]
+)
+def test_where_it_is_narrow_what_matters_least_goes_first_and_is_named(
+    width: int, left_out: str
+) -> None:
+    with console_of(width):
+        lines = printed(lambda: print_table("", COLUMNS)).splitlines()
+    assert all(len(line) <= width for line in lines)
+    assert f"no room for {left_out}:" in " ".join(" ".join(lines).split())
+    assert any("1.25" in line for line in lines)
+
+
+@pytest.mark.parametrize("show", ["runs", "entries", "goals", "accuracy", "places"])
+def test_tables_fit_eighty_columns_without_breaking_a_cell(show: str) -> None:
+    label = "squat 3 cm, learned, iteration 10, P x 0.2, hardware"
+    parameters = {
+        "amplitude": QuantityMessage(value=0.0365, unit="m"),
+        "frequency": QuantityMessage(value=0.207, unit="Hz"),
+        "height": QuantityMessage(value=-0.025, unit="m"),
+    }
+    entry = an_entry(0).model_copy(update={"parameters": parameters})
+    goal = {"id": "AC error, generalised / learned directly", "goal": "<= 1.5", "met": True}
+    place = {
+        "parameters": {name: quantity.value for name, quantity in parameters.items()},
+        "standard_deviation": 0.0123,
+        "rms_errors_m": [0.015, 0.0005],
+    }
+    accuracy = {
+        "poses": 30,
+        "cop_residual_before": 1e-3,
+        "cop_residual_after": 1e-4,
+        "error_before": [0.01] * 3,
+        "error_after": [0.001] * 3,
+        "deviation_before": [0.01] * 3,
+        "deviation_after": [0.001] * 3,
+    }
+    tables: dict[str, tuple[Callable[[], None], str]] = {
+        "runs": (lambda: print_runs("squat", [{**SUMMARY, "label": label}]), label),
+        "entries": (
+            lambda: print_entries(DatabaseReply(database="/tmp/d.sqlite", entries=[entry])),
+            "0.0365",
+        ),
+        "goals": (lambda: print_goals([{**goal, "measured": 1.23456}]), str(goal["id"])),
+        "accuracy": (lambda: print_accuracy("com.json", accuracy), "its height at home"),
+        "places": (lambda: print_places("squat", [place]), "0.0365"),
+    }
+    show_it, whole = tables[show]
+    with console_of(80):
+        text = printed(show_it)
+    assert all(len(line) <= 80 for line in text.splitlines())
+    assert "…" not in text
+    assert whole in text

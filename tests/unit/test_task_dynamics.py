@@ -58,7 +58,7 @@ def test_at_the_reference_there_is_nothing_to_shift() -> None:
     np.testing.assert_allclose(shift, 0, atol=1e-9)
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=settings.default.max_examples // 12)
 @given(offset=st.floats(-5.0, 5.0), moved=st.floats(-1.0, 1.0))
 def test_neither_a_constant_nor_the_origin_matters(offset: float, moved: float) -> None:
     position, a = REFERENCE - BELOW, np.sin(PHI) + 0.1 * np.cos(2 * PHI)

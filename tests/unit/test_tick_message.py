@@ -29,7 +29,6 @@ def a_message(size: int = 3) -> bytes:
     return pack_tick(REQUEST, LAYOUT, 7, np.arange(float(size)), instance=9)
 
 
-@settings(max_examples=100)
 @given(kind=KINDS, layout=UINT64, sequence=UINT64, instance=UINT64, values=VALUES)
 def test_what_is_packed_is_unpacked_bit_for_bit(
     kind: int, layout: int, sequence: int, instance: int, values: list[float]
@@ -124,14 +123,14 @@ def test_another_layout_is_the_reason_even_if_the_size_differs_too() -> None:
         unpack_tick(a_message(5), REQUEST, LAYOUT + 1, 3)
 
 
-@settings(max_examples=300)
+@settings(max_examples=settings.default.max_examples * 3)
 @given(payload=st.binary(max_size=120))
 def test_arbitrary_bytes_are_always_refused_as_malformed(payload: bytes) -> None:
     with pytest.raises(MalformedMessage):
         unpack_tick(payload, REQUEST, LAYOUT, 3)
 
 
-@settings(max_examples=300)
+@settings(max_examples=settings.default.max_examples * 3)
 @given(where=st.integers(0, 31), bit=st.integers(0, 7), cut=st.integers(0, 56))
 def test_damaged_messages_are_unpacked_or_refused_as_malformed(
     where: int, bit: int, cut: int

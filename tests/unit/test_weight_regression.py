@@ -37,9 +37,9 @@ def learned(place: tuple[float, ...], seed: int = 0) -> np.ndarray:
     speed = 2 * np.pi * amplitude * frequency
     return np.asarray(
         -0.7
-        + inertia * 0.1 * amplitude * (2 * np.pi * frequency) ** 2 * np.sin(BASIS.centres)
-        + damping * speed * np.cos(BASIS.centres)
-        + friction * 0.5 * np.tanh(np.cos(BASIS.centres) * speed / 0.05)
+        + inertia * 0.1 * amplitude * (2 * np.pi * frequency) ** 2 * np.sin(BASIS.centers)
+        + damping * speed * np.cos(BASIS.centers)
+        + friction * 0.5 * np.tanh(np.cos(BASIS.centers) * speed / 0.05)
     )
 
 

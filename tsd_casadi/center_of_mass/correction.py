@@ -13,6 +13,7 @@ from tsd_casadi.document import to_matrix
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
+from tsd_casadi.whole_file import write_whole
 
 # of a covariance's largest eigenvalue: what rounding may do to the smallest
 ROUNDING = 1e-9
@@ -106,8 +107,9 @@ class CenterOfMassCorrection:
         )
 
     def save(self, path: Path) -> None:
-        """Write the correction as JSON."""
-        path.write_bytes(self.message().encode())
+        """Write the correction as JSON, whole or not at all."""
+        with write_whole(path) as file:
+            file.write(self.message().encode())
 
     @classmethod
     def load(cls, robot: Robot, path: Path) -> CenterOfMassCorrection:

@@ -29,12 +29,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
+from tsd_casadi.center_of_mass.mass_prior import NOISE, MassPrior
 from tsd_casadi.center_of_mass.static_chain import StaticChain
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Vector
-
-NOISE = 5e-4  # m, of a pose's averaged centre of pressure
 
 
 @dataclass(frozen=True)
@@ -50,31 +49,6 @@ class StaticPose:
     q: Vector
     center_of_pressure: Vector
     weight: float
-
-
-@dataclass(frozen=True)
-class MassPrior:
-    """How far a robot's model may be off, as standard deviations.
-
-    Attributes:
-        mass: s_m, of each link's mass, a fraction of it.
-        center: s_l, of each link's centre of mass, along each axis [m].
-    """
-
-    mass: float = 0.1
-    center: float = 0.005
-
-    def __post_init__(self) -> None:
-        """Refuse what is no uncertainty.
-
-        Raises:
-            InvalidValue: If one is negative or both are zero.
-        """
-        for name, value, most in (("mass", self.mass, 10.0), ("center", self.center, 1.0)):
-            if not 0 <= value <= most:
-                raise InvalidValue(f"prior {name}", value, f"from 0 to {most:g}")
-        if self.mass == self.center == 0:
-            raise InvalidValue("prior", "certain", "a mass or a centre that may be off")
 
 
 def prior_correction(

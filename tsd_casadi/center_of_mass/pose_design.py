@@ -18,11 +18,12 @@ from typing import Any
 import numpy as np
 import pinocchio
 
-from tsd_casadi.center_of_mass.fit import NOISE, MassPrior, prior_correction
+from tsd_casadi.center_of_mass.fit import prior_correction
+from tsd_casadi.center_of_mass.mass_prior import NOISE, MassPrior
 from tsd_casadi.center_of_mass.static_chain import StaticChain
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file import FrameTaskFile
+from tsd_casadi.robot.robot_file_sections import FrameTaskFile
 from tsd_casadi.robot.standing import stand
 from tsd_casadi.state import Matrix, State, Vector
 

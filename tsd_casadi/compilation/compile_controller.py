@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import logging
-import os
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
 from tsd_casadi.compilation.code_cache import (
     cache_folder,
     compile_cached,
+    keep_text,
     library_key,
     verified_library,
 )
@@ -41,6 +40,8 @@ def compile_controller(robot: Robot, on_compile: Callable[[], None] | None = Non
         CompilerNotFound: If it is not in the cache and there is no compiler.
         CompilationFailed: If the compiler refuses.
         CacheNotPrivate: If somebody else could write to the cache.
+        CacheNotWritable: If what was compiled cannot be kept.
+        NotLoadable: If the system does not load it.
     """
     index = _index_of(robot)
     kept = _read(index)
@@ -77,6 +78,4 @@ def _read(index: Path) -> tuple[TickFormat, Path] | None:
 
 def _write(index: Path, tick_format: TickFormat, library: Path) -> None:
     kept = {"library": library.name, "format": tick_format.plain()}
-    with tempfile.NamedTemporaryFile("w", dir=index.parent, suffix=".part", delete=False) as part:
-        part.write(json.dumps(kept))
-    os.replace(part.name, index)
+    keep_text(index, json.dumps(kept))

@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.exceptions import InvalidValue, NotLoadable
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.command import Command
 from tsd_casadi.tick.format import TickFormat
@@ -48,11 +48,17 @@ class Controller:
 
         Args:
             library: Its shared library, from ``compile_controller``.
+
+        Raises:
+            NotLoadable: If the system does not load it.
         """
         self.format = tick_format
         self.library = library
         self._context = ctypes.c_void_p()
-        compiled = ctypes.CDLL(str(library))  # a call releases the GIL
+        try:
+            compiled = ctypes.CDLL(str(library))  # a call releases the GIL
+        except OSError as error:
+            raise NotLoadable(library, str(error)) from error
         compiled.tick_create.argtypes = [_Doubles, _Doubles]
         compiled.tick_create.restype = ctypes.c_void_p
         compiled.tick_free.argtypes = [ctypes.c_void_p]
@@ -66,6 +72,10 @@ class Controller:
         )
         if not self._context:
             raise MemoryError("no memory for the controller's context")
+
+    def __repr__(self) -> str:
+        """Name the robot and the size of its problem."""
+        return f"<Controller of {self.format.summary()}>"
 
     def __del__(self) -> None:
         """Give the context's memory back."""

@@ -2,43 +2,39 @@
 
 from __future__ import annotations
 
-import json
-import sqlite3
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import asdict
-from datetime import UTC, datetime
+import os
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import platformdirs
 
-from tsd_casadi.database.schema import prepare
-from tsd_casadi.encoding.periodic_basis import PeriodicBasis
-from tsd_casadi.exceptions import DatabaseError, EntryNotFound, InvalidValue
+from tsd_casadi.database.database_file import DatabaseFile
+from tsd_casadi.database.entry_rows import EntryRows
+from tsd_casadi.exceptions import EntryNotFound, InvalidValue
 from tsd_casadi.generalization.entry_regression import (
     EntryRegressions,
     describe_entries,
-    describe_task,
+    describe_motion,
 )
 from tsd_casadi.generalization.suggestion import Region, Suggestion, suggest
-from tsd_casadi.learning.entry import Entry, Iteration
+from tsd_casadi.learning.entry import Entry
+from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.feedforward import Feedforward
-from tsd_casadi.learning.recording import Context, Recording, TaskKey
+from tsd_casadi.learning.instruction import USUAL, Instruction
+from tsd_casadi.learning.recording import Recording
 from tsd_casadi.motions.parameter import complete_parameters
-
-# what a test leaves in its iteration, as weights
-FITTED = ("feedback", "error_weights", "reference_weights")
 
 
 def default_path() -> Path:
-    """The database in the user's data folder."""
-    return Path(platformdirs.user_data_dir("tsd_casadi")) / "feedforward.sqlite"
+    """Find the database in the user's data folder, which is made if there is none."""
+    folder = Path(platformdirs.user_data_dir("tsd_casadi"))
+    with suppress(OSError):  # opening the file says what is wrong
+        folder.mkdir(parents=True, exist_ok=True)
+    return folder / "feedforward.sqlite"
 
 
 class Database:
-    """Learned feedforward terms by robot, task and task parameters.
+    """Learned feedforward terms by robot, motion and parameters of the motion.
 
     Every method is one transaction, so a process that dies in between loses
     nothing that was answered.
@@ -51,40 +47,23 @@ class Database:
         """Open a database file, or make one.
 
         Args:
-            path: The file.
+            path: A file in a folder that exists.
 
         Raises:
             DatabaseError: If it cannot be opened or is not one of ours.
         """
-        self.path = Path(path).expanduser()
+        self.path = Path(os.path.expanduser(path))  # leaves an unknown user's as it is
         self._regressions = EntryRegressions()
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            self._connection = sqlite3.connect(self.path, isolation_level=None)
-        except (OSError, sqlite3.Error) as error:
-            raise DatabaseError(
-                self.path, f"cannot be opened ({error})", "name a file in a folder you may write to"
-            ) from error
-        try:
-            prepare(self._connection)
-        except sqlite3.OperationalError as error:
-            self._connection.close()
-            raise DatabaseError(
-                self.path,
-                f"cannot be read ({error})",
-                "check permissions, free disk space and whether another process holds it",
-            ) from error
-        except sqlite3.DatabaseError as error:
-            self._connection.close()
-            raise DatabaseError(
-                self.path,
-                f"is not a database of this project ({error})",
-                "name another file with --database; this one was not changed",
-            ) from error
+        self._file = DatabaseFile(self.path)
+        self._rows = EntryRows(self._file)
+
+    def __repr__(self) -> str:
+        """Name the file."""
+        return f"<Database {self.path}>"
 
     def close(self) -> None:
         """Close the file."""
-        self._connection.close()
+        self._file.close()
 
     def __enter__(self) -> Database:
         """Use as a context manager."""
@@ -94,41 +73,44 @@ class Database:
         """Close the file."""
         self.close()
 
-    def entries(self, robot: str | None = None, task: str | None = None) -> list[Entry]:
-        """Entries, in the order of their identifiers.
+    def entries(self, robot: str | None = None, motion: str | None = None) -> list[Entry]:
+        """Read entries, in the order of their identifiers.
 
         Args:
             robot: Only of this robot.
-            task: Only of this task.
+            motion: Only of this motion.
         """
-        with self._transaction():
-            return self._read(robot, task)
+        with self._file.transaction():
+            return self._rows.read(robot, motion)
 
-    def record(self, recording: Recording) -> tuple[Entry, list[str]]:
+    def record(
+        self, recording: Recording, instruction: Instruction = USUAL
+    ) -> tuple[Entry, list[str]]:
         """Take in one repetition and learn from it.
 
         Args:
-            recording: The repetition.
+            instruction: By which rule, and whether to learn or to start again.
 
         Returns:
             The entry as it is now, and remarks for the user.
 
         Raises:
-            InvalidValue: If a task parameter is missing or makes no sense.
+            InvalidValue: If a parameter is missing or makes no sense, or the
+                recording lacks what the rule needs.
             IncompatibleEntry: If it does not fit the entry.
         """
         key = recording.key
-        parameters = complete_parameters(key.task, dict(key.parameters))
-        key = TaskKey.of(key.robot, key.task, key.axes, parameters)
-        with self._transaction("IMMEDIATE"):
-            entry = self._find(key)
-            if entry is not None and recording.restart:
-                self._delete(entry.identifier)
+        parameters = complete_parameters(key.motion, dict(key.parameters))
+        key = EntryKey.of(key.robot, key.motion, key.axes, parameters)
+        with self._file.transaction("IMMEDIATE"):
+            entry = self._rows.find(key)
+            if entry is not None and instruction.restart:
+                self._rows.delete(entry.identifier)
                 entry = None
             if entry is None:
                 entry = Entry(key, recording.basis, recording.context)
-            notes = entry.add(recording)
-            self._store(entry)
+            notes = entry.add(recording, instruction)
+            self._rows.store(entry)
         return entry, notes
 
     def forget(self, identifier: int) -> Entry:
@@ -143,37 +125,33 @@ class Database:
         Raises:
             EntryNotFound: If there is none of that number.
         """
-        with self._transaction("IMMEDIATE"):
-            for entry in self._read():
+        with self._file.transaction("IMMEDIATE"):
+            for entry in self._rows.read():
                 if entry.identifier == identifier:
-                    self._delete(identifier)
+                    self._rows.delete(identifier)
                     return entry
         raise EntryNotFound(f"no entry {identifier}; 'tsd database list' shows what there is")
 
     def query(
         self,
+        motion: str,
         /,
-        task: str,
         *,
         robot: str | None = None,
         kind: str | None = None,
         extrapolate: bool = False,
         **parameters: float,
     ) -> Feedforward:
-        """The feedforward for some task parameters.
+        """Look up or generalise the feedforward for some parameters of a motion.
 
         Args:
-            task: Name of the motion.
-            robot: Name of the robot; may be left out while there is only one.
+            motion: Name of the motion, for instance 'squat'.
+            robot: May be left out while there is only one.
             kind: 'learned' for the exact entry, 'generalised' for a regression
                 over the other entries; by default the exact entry where there
                 is one.
             extrapolate: Generalise outside the learned range too.
-            parameters: Task parameters, SI units; those with a default may be
-                left out.
-
-        Returns:
-            The feedforward.
+            parameters: SI units; those with a default may be left out.
 
         Raises:
             InvalidValue: If a parameter is missing or makes no sense, or the
@@ -183,38 +161,37 @@ class Database:
         """
         if kind not in (None, "learned", "generalised"):
             raise InvalidValue("kind", repr(kind), "learned or generalised")
-        complete = complete_parameters(task, parameters)
-        entries = self._candidates(task, robot)
-        wanted = TaskKey.of("", task, (), complete).parameters
+        complete = complete_parameters(motion, parameters)
+        entries = self._candidates(motion, robot)
+        wanted = EntryKey.of("", motion, (), complete).parameters
         exact = [entry for entry in entries if entry.key.parameters == wanted]
         if exact and kind in (None, "learned"):
             # the same parameters with other axes are another entry: the newest counts
             return max(exact, key=lambda entry: (entry.updated, entry.identifier)).feedforward()
         if kind == "learned":
             raise EntryNotFound(
-                f"nothing was learned for {describe_task(task, wanted)}; there is "
-                f"{describe_entries(entries)}. Learn it with 'tsd learn {task}', or ask for a "
+                f"no entry for {describe_motion(motion, wanted)}; there is "
+                f"{describe_entries(entries)}. Learn it with 'tsd learn {motion}', or ask for a "
                 "generalised feedforward"
             )
-        return self._regressions.generalise(task, entries, dict(wanted), extrapolate)
+        return self._regressions.generalize(motion, entries, dict(wanted), extrapolate)
 
     def suggest(
         self,
+        motion: str,
         /,
-        task: str,
         *,
         robot: str | None = None,
         region: Region,
         **parameters: float,
     ) -> Suggestion:
-        """The task parameters whose repetition would teach most.
+        """Choose the parameters of a motion whose repetition would teach most.
 
         Args:
-            task: Name of the motion.
-            robot: Name of the robot; may be left out while there is only one.
+            motion: Name of the motion, for instance 'squat'.
+            robot: May be left out while there is only one.
             region: (low, high) of each parameter that may be chosen, SI units.
-            parameters: The other task parameters, SI units; those with a
-                default may be left out.
+            parameters: The others, SI units; those with a default may be left out.
 
         Returns:
             Parameters, with the predicted standard deviation there.
@@ -225,141 +202,12 @@ class Database:
             EntryNotFound: If the entries do not fit together, or every place in
                 the region has one.
         """
-        entries = self._candidates(task, robot)
-        return suggest(task, entries, self._regressions, region, parameters)
+        entries = self._candidates(motion, robot)
+        return suggest(motion, entries, self._regressions, region, parameters)
 
-    def _candidates(self, task: str, robot: str | None) -> list[Entry]:
-        entries = self.entries(robot, task)
+    def _candidates(self, motion: str, robot: str | None) -> list[Entry]:
+        entries = self.entries(robot, motion)
         robots = sorted({entry.key.robot for entry in entries})
         if len(robots) > 1:
             raise EntryNotFound(f"name the robot, the database knows {', '.join(robots)}")
         return entries
-
-    def _read(self, robot: str | None = None, task: str | None = None) -> list[Entry]:
-        rows = self._execute(
-            "SELECT id, robot, task, axes, parameters, basis_size, basis_width, context, "
-            "learning_gain, rule, updated FROM entry "
-            "WHERE (?1 IS NULL OR robot = ?1) AND (?2 IS NULL OR task = ?2) ORDER BY id",
-            (robot, task),
-        )
-        return [self._checked_entry(row) for row in rows]
-
-    def _find(self, key: TaskKey) -> Entry | None:
-        for entry in self._read(key.robot, key.task):
-            if entry.key == key:
-                return entry
-        return None
-
-    def _checked_entry(self, row: tuple[Any, ...]) -> Entry:
-        try:
-            return self._entry(row)
-        except (ValueError, TypeError, KeyError) as error:
-            raise DatabaseError(
-                self.path,
-                f"holds a damaged entry {row[0]} ({error})",
-                "restore a copy, or delete that row of the table 'entry'",
-            ) from error
-
-    def _entry(self, row: tuple[Any, ...]) -> Entry:
-        axes, parameters, context = (json.loads(row[i]) for i in (3, 4, 7))
-        iterations = [
-            Iteration(
-                number,
-                np.array(json.loads(weights)),
-                json.loads(errors) if errors else None,
-                json.loads(gains) if gains else None,
-                learned_from=learned_from,
-                **{
-                    name: np.array(json.loads(text)) if text else None
-                    for name, text in zip(FITTED, fitted, strict=True)
-                },
-            )
-            for number, learned_from, weights, errors, gains, *fitted in self._execute(
-                "SELECT number, learned_from, weights, errors, gains, feedback, error_weights, "
-                "reference_weights FROM iteration WHERE entry = ? ORDER BY number",
-                (row[0],),
-            )
-        ]
-        return Entry(
-            key=TaskKey.of(row[1], row[2], tuple(axes), parameters),
-            basis=PeriodicBasis(row[5], row[6]),
-            context=Context(**context),
-            iterations=iterations,
-            learning_gain=row[8],
-            rule=row[9],
-            identifier=row[0],
-            updated=row[10],
-        )
-
-    def _store(self, entry: Entry) -> None:
-        entry.updated = datetime.now(UTC).isoformat(timespec="seconds")
-        state = (
-            json.dumps(asdict(entry.context)),
-            entry.learning_gain,
-            entry.rule,
-            entry.updated,
-        )
-        if entry.identifier:
-            self._execute(
-                "UPDATE entry SET context = ?, learning_gain = ?, rule = ?, updated = ? "
-                "WHERE id = ?",
-                (*state, entry.identifier),
-            )
-        else:
-            key = (
-                entry.key.robot,
-                entry.key.task,
-                json.dumps(entry.key.axes),
-                json.dumps(dict(entry.key.parameters)),
-                entry.basis.L,
-                entry.basis.width,
-            )
-            rows = self._execute(
-                "INSERT INTO entry (context, learning_gain, rule, updated, robot, task, axes, "
-                "parameters, basis_size, basis_width) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
-                "RETURNING id",
-                (*state, *key),
-            )
-            entry.identifier = rows[0][0]
-        self._execute("DELETE FROM iteration WHERE entry = ?", (entry.identifier,))
-        for iteration in entry.iterations:
-            self._execute(
-                "INSERT INTO iteration (entry, number, learned_from, weights, errors, gains, "
-                "feedback, error_weights, reference_weights) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                (
-                    entry.identifier,
-                    iteration.number,
-                    iteration.learned_from,
-                    json.dumps(iteration.weights.tolist()),
-                    json.dumps(iteration.errors) if iteration.errors else None,
-                    json.dumps(iteration.gains) if iteration.errors else None,
-                    *(
-                        None if fitted is None else json.dumps(fitted.tolist())
-                        for fitted in (getattr(iteration, name) for name in FITTED)
-                    ),
-                ),
-            )
-
-    def _delete(self, identifier: int) -> None:
-        self._execute("DELETE FROM entry WHERE id = ?", (identifier,))
-
-    def _execute(self, statement: str, values: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-        try:
-            return self._connection.execute(statement, values).fetchall()
-        except sqlite3.Error as error:
-            raise DatabaseError(
-                self.path,
-                f"cannot be read or written ({error})",
-                "check free disk space, permissions and whether another process holds it",
-            ) from error
-
-    @contextmanager
-    def _transaction(self, kind: str = "DEFERRED") -> Iterator[None]:
-        self._execute(f"BEGIN {kind}")
-        try:
-            yield
-            self._execute("COMMIT")
-        finally:
-            # after a failure, a failed COMMIT included, unless SQLite did it itself
-            if self._connection.in_transaction:
-                self._connection.rollback()

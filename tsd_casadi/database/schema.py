@@ -83,7 +83,7 @@ def _make(connection: sqlite3.Connection) -> None:
 
 
 def _migrate(connection: sqlite3.Connection) -> None:
-    """From version 1, which kept no feedback and knew squats at home only, or 2.
+    """Bring up a file of version 1, which kept no feedback and knew squats at home only, or 2.
 
     Version 2 did not know what an iteration was learned from.
     """
@@ -91,10 +91,10 @@ def _migrate(connection: sqlite3.Connection) -> None:
     for column, kind in ADDED.items():
         if column not in known:
             connection.execute(f"ALTER TABLE iteration ADD COLUMN {column} {kind}")
-    for identifier, task, text in connection.execute(
+    for identifier, motion, text in connection.execute(
         "SELECT id, task, parameters FROM entry"
     ).fetchall():
-        complete = {**default_parameters(task), **json.loads(text)}
+        complete = {**default_parameters(motion), **json.loads(text)}
         connection.execute(
             "UPDATE entry SET parameters = ? WHERE id = ?",
             (json.dumps(dict(sorted(complete.items()))), identifier),
@@ -103,7 +103,7 @@ def _migrate(connection: sqlite3.Connection) -> None:
 
 
 def _version(connection: sqlite3.Connection) -> int:
-    """Version of the file's tables; 0 for a new file.
+    """Read the version of the file's tables, 0 for a new file.
 
     Raises:
         sqlite3.DatabaseError: If it is somebody else's.

@@ -22,43 +22,41 @@ SAMPLES = 256
 
 
 def sample_phases() -> Vector:
-    """The phases of sampled signals, (SAMPLES,) [rad]."""
+    """Compute the phases of sampled signals, (SAMPLES,) [rad]."""
     return 2 * np.pi * np.arange(SAMPLES) / SAMPLES
 
 
 def highest_harmonic(basis: PeriodicBasis) -> int:
-    """N, the number of harmonics that a basis holds, at least 1."""
+    """Compute N, the number of harmonics that a basis holds, at least 1."""
     return max(1, min((basis.L - 1) // 2, SAMPLES // 2 - 1))
 
 
 def to_harmonics(basis: PeriodicBasis, weights: Matrix) -> Harmonics:
-    """Harmonics of a signal.
+    """Compute the harmonics of a signal.
 
     Args:
-        basis: The basis.
         weights: (k, L).
 
     Returns:
         c_0 ... c_N, (k, N + 1), in the weights' unit.
     """
-    return analyse(weights @ _samples(basis).T, highest_harmonic(basis))
+    return analyze(weights @ _samples(basis).T, highest_harmonic(basis))
 
 
 def to_weights(basis: PeriodicBasis, harmonics: Harmonics) -> Matrix:
-    """Weights of the signal with these harmonics.
+    """Fit the weights of the signal with these harmonics.
 
     Args:
-        basis: The basis.
         harmonics: (k, N + 1).
 
     Returns:
         (k, L), by least squares.
     """
-    return basis.fit(sample_phases(), synthesise(harmonics))
+    return basis.fit(sample_phases(), synthesize(harmonics))
 
 
-def analyse(signals: Matrix, highest: int) -> Harmonics:
-    """Harmonics of sampled signals.
+def analyze(signals: Matrix, highest: int) -> Harmonics:
+    """Compute the harmonics of sampled signals.
 
     Args:
         signals: (k, SAMPLES).
@@ -70,8 +68,8 @@ def analyse(signals: Matrix, highest: int) -> Harmonics:
     return np.asarray(np.fft.rfft(signals, axis=-1)[..., : highest + 1] / SAMPLES)
 
 
-def synthesise(harmonics: Harmonics) -> Matrix:
-    """Samples of the signals with these harmonics.
+def synthesize(harmonics: Harmonics) -> Matrix:
+    """Sample the signals with these harmonics.
 
     Args:
         harmonics: (k, N + 1).

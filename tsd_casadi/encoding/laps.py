@@ -1,4 +1,4 @@
-"""Whole laps of a periodic run, and which of them are steady."""
+"""Whole laps of a repetition, and which of them are steady."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix, Vector
 
 # two consecutive laps agree when mean and AC RMS of the feedback do, to
@@ -34,33 +35,45 @@ class Lap:
     feedforward: Matrix | None = None
 
 
-def join_laps(laps: Sequence[Lap]) -> tuple[Vector, Matrix]:
-    """All samples of some laps.
+@dataclass(frozen=True)
+class FittedLaps:
+    """What some laps have in common, as weights of a basis.
+
+    Attributes:
+        feedback: (k, L) [m/s^2].
+        error: (k, L) [m]; None unless every lap has error and reference.
+        reference: (k, L) [m]; None together with the error.
+    """
+
+    feedback: Matrix
+    error: Matrix | None = None
+    reference: Matrix | None = None
+
+
+def join_laps(laps: Sequence[Lap]) -> Lap:
+    """Put the samples of some laps together as those of one.
 
     Args:
         laps: At least one.
 
     Returns:
-        Phase (N,) [rad] and feedback (k, N) [m/s^2].
+        All samples in order; without error and reference if a lap lacks one.
     """
     phase = np.concatenate([lap.phase for lap in laps])
-    return phase, np.concatenate([lap.feedback for lap in laps], axis=1)
-
-
-def join_positions(laps: Sequence[Lap]) -> tuple[Matrix, Matrix] | None:
-    """All errors and references of some laps.
-
-    Args:
-        laps: At least one.
-
-    Returns:
-        Error and reference, (k, N) [m]; None if a lap has none.
-    """
+    feedback = np.concatenate([lap.feedback for lap in laps], axis=1)
     errors = [lap.error for lap in laps if lap.error is not None]
     references = [lap.reference for lap in laps if lap.reference is not None]
     if len(errors) < len(laps) or len(references) < len(laps):
-        return None
-    return np.concatenate(errors, axis=1), np.concatenate(references, axis=1)
+        return Lap(phase, feedback)
+    return Lap(phase, feedback, np.concatenate(errors, axis=1), np.concatenate(references, axis=1))
+
+
+def fit_laps(laps: Sequence[Lap], basis: PeriodicBasis) -> FittedLaps:
+    """Fit everything that some laps recorded, at least one of them, at once."""
+    joined = join_laps(laps)
+    known = [joined.feedback, joined.error, joined.reference]
+    signals = [signal for signal in known if signal is not None]
+    return FittedLaps(*basis.fit(joined.phase, np.stack(signals)))
 
 
 def _agree(one: Lap, other: Lap) -> bool:
@@ -76,7 +89,7 @@ def _agree(one: Lap, other: Lap) -> bool:
 
 
 def first_steady_lap(laps: Sequence[Lap]) -> int | None:
-    """The first lap from which on every lap agrees with the next.
+    """Find the first lap from which on every lap agrees with the next.
 
     The very first one never counts: the motion begins smoothly in it.
 

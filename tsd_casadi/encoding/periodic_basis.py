@@ -1,4 +1,4 @@
-r"""Periodic signals as a weighted sum of bumps over the phase.
+r"""Periodic signals as a weighted sum of bumps over the phase [basis_functions, psi].
 
 .. math::
 
@@ -21,7 +21,7 @@ from tsd_casadi.state import Matrix, Vector
 
 L_DEFAULT = 25
 # h = 2.5 L: neighbouring bumps cross at two thirds of their height
-WIDTH_PER_CENTRE = 2.5
+WIDTH_PER_CENTER = 2.5
 # of the mean squared basis value: keeps the fit defined where samples are few
 RIDGE = 1e-9
 
@@ -36,7 +36,7 @@ class PeriodicBasis:
     """
 
     L: int = L_DEFAULT
-    width: float = WIDTH_PER_CENTRE * L_DEFAULT
+    width: float = WIDTH_PER_CENTER * L_DEFAULT
 
     def __post_init__(self) -> None:
         """Check the sizes."""
@@ -47,16 +47,16 @@ class PeriodicBasis:
 
     @classmethod
     def of_size(cls, L: int) -> PeriodicBasis:
-        """The basis of L functions with the usual width 2.5 L."""
-        return cls(L, WIDTH_PER_CENTRE * L)
+        """Make the basis of L functions with the usual width 2.5 L."""
+        return cls(L, WIDTH_PER_CENTER * L)
 
     @property
-    def centres(self) -> Vector:
+    def centers(self) -> Vector:
         """c_j, (L,) [rad]."""
         return 2 * np.pi * np.arange(self.L) / self.L
 
     def values(self, phase: ArrayLike) -> Matrix:
-        r"""Normalised functions :math:`\Gamma_j / \sum_i \Gamma_i`.
+        r"""Compute the normalised functions :math:`\Gamma_j / \sum_i \Gamma_i`.
 
         Args:
             phase: (N,) [rad], wrapped or not.
@@ -65,13 +65,13 @@ class PeriodicBasis:
             (N, L), every row sums to one.
         """
         phases = np.atleast_1d(np.asarray(phase, dtype=float))
-        exponent = self.width * (np.cos(phases[:, None] - self.centres) - 1)
+        exponent = self.width * (np.cos(phases[:, None] - self.centers) - 1)
         # the largest exponent taken out: no underflow, however narrow the bumps
         gamma = np.exp(exponent - exponent.max(axis=1, keepdims=True))
         return np.asarray(gamma / gamma.sum(axis=1, keepdims=True))
 
     def evaluate(self, phase: ArrayLike, weights: ArrayLike) -> Matrix:
-        """The signals at some phases.
+        """Compute the signals at some phases.
 
         Args:
             phase: (N,) [rad].
@@ -83,17 +83,17 @@ class PeriodicBasis:
         return np.asarray(np.atleast_2d(weights) @ self.values(phase).T)
 
     def fit(self, phase: ArrayLike, signals: ArrayLike) -> Matrix:
-        """Weights by ridge least squares over all samples.
+        """Fit weights by ridge least squares over all samples.
 
         Args:
             phase: (N,) [rad].
-            signals: (k, N).
+            signals: (k, N), or a stack of them, (..., k, N).
 
         Returns:
-            (k, L), in the signals' unit.
+            (k, L) or (..., k, L), in the signals' unit.
         """
         values = self.values(phase)
         gram = values.T @ values
         gram += RIDGE * np.trace(gram) / self.L * np.eye(self.L)
-        projected = values.T @ np.atleast_2d(np.asarray(signals, dtype=float)).T
-        return np.asarray(np.linalg.solve(gram, projected).T)
+        projected = values.T @ np.atleast_2d(np.asarray(signals, dtype=float)).swapaxes(-1, -2)
+        return np.asarray(np.linalg.solve(gram, projected).swapaxes(-1, -2))

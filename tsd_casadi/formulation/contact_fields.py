@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file import Contact
+from tsd_casadi.robot.robot_file_sections import Contact
 from tsd_casadi.tick.layout import Field
 
 

@@ -127,6 +127,13 @@ class InverseDynamics:
         self.qp = self._add_posture()
         self.format = tick_format(robot, self.tasks, self.request, self.row_names)
 
+    def __repr__(self) -> str:
+        """Name the robot and the size of its problem."""
+        return (
+            f"<InverseDynamics of {self.robot.name}: {self.nx} variables, {len(self.row_names)} "
+            f"rows, {self.n_equalities} of them equalities; tasks {', '.join(self.task_names)}>"
+        )
+
     @property
     def task_names(self) -> list[str]:
         """Names of the Cartesian tasks."""

@@ -1,4 +1,4 @@
-"""Feedforward for task parameters that were never tried, from the entries that were."""
+"""Feedforward for parameters that were never tried, from the entries that were."""
 
 from __future__ import annotations
 
@@ -27,15 +27,14 @@ class EntryRegressions:
         """Start with nothing fitted."""
         self._fits: dict[_Content, WeightRegression] = {}
 
-    def generalise(
-        self, task: str, entries: Sequence[Entry], wanted: dict[str, float], extrapolate: bool
+    def generalize(
+        self, motion: str, entries: Sequence[Entry], wanted: dict[str, float], extrapolate: bool
     ) -> Feedforward:
-        """Weights for the wanted parameters from all entries but the exact one.
+        """Predict weights for the wanted parameters from all entries but the exact one.
 
         Args:
-            task: Name of the motion, for errors.
-            entries: Entries of the task on one robot.
-            wanted: All task parameters, SI units.
+            entries: Entries of the motion on one robot.
+            wanted: All parameters of the motion, SI units.
             extrapolate: Answer outside the learned range too.
 
         Returns:
@@ -53,18 +52,18 @@ class EntryRegressions:
         ]
         if len(others) < MINIMUM_ENTRIES:
             raise EntryNotFound(
-                f"generalising for {describe_task(task, wanted.items())} needs at least "
+                f"generalising for {describe_motion(motion, wanted.items())} needs at least "
                 f"{MINIMUM_ENTRIES} learned entries beside that one; there is "
                 f"{describe_entries(entries)}. Learn more of them"
             )
-        regression = self.over(task, others)
+        regression = self.over(motion, others)
         for name, value in wanted.items():
             learned = dict(others[0].key.parameters)[name]
             if name not in regression.names and learned != value:
-                unit = unit_of(task, name)
+                unit = unit_of(motion, name)
                 raise EntryNotFound(
-                    f"every learned {task} has {name} {learned:g} {unit}, none can be generalised "
-                    f"to {value:g} {unit}; learn some at other values of {name}"
+                    f"every learned {motion} has {name} {learned:g} {unit}, none can be "
+                    f"generalised to {value:g} {unit}; learn some at other values of {name}"
                 )
         weights, deviations = regression.predict(wanted, extrapolate=extrapolate)
         served = [entry.served for entry in others]
@@ -90,11 +89,10 @@ class EntryRegressions:
             provenance=provenance,
         )
 
-    def over(self, task: str, entries: Sequence[Entry]) -> WeightRegression:
-        """The regression over all parameters in which some entries differ.
+    def over(self, motion: str, entries: Sequence[Entry]) -> WeightRegression:
+        """Fit over all parameters in which some entries differ, unless that was done.
 
         Args:
-            task: Name of the motion.
             entries: Learned entries with the same names of parameters.
 
         Raises:
@@ -106,9 +104,9 @@ class EntryRegressions:
         inputs = np.array([[each[name] for name in names] for each in parameters])
         weights = [entry.served.weights for entry in entries]
         basis = entries[0].basis
-        content = task, names, basis, inputs.tobytes(), np.stack(weights).tobytes()
+        content = motion, names, basis, inputs.tobytes(), np.stack(weights).tobytes()
         if content not in self._fits:
-            regression = WeightRegression(task, names, inputs, weights, basis)
+            regression = WeightRegression(motion, names, inputs, weights, basis)
             if len(self._fits) >= KEPT_FITS:
                 self._fits.pop(next(iter(self._fits)))  # the oldest
             self._fits[content] = regression
@@ -116,17 +114,12 @@ class EntryRegressions:
 
 
 def is_learned(entry: Entry, names: Collection[str]) -> bool:
-    """Whether an entry has these parameters and no others, and learned something.
-
-    Args:
-        entry: The entry.
-        names: Names of the parameters.
-    """
+    """Say whether an entry has these parameters and no others, and learned something."""
     return dict(entry.key.parameters).keys() == set(names) and entry.served.number > 0
 
 
 def varied_parameters(entries: Sequence[Entry]) -> tuple[str, ...]:
-    """Names of the parameters in which some entries differ.
+    """Name the parameters in which some entries differ.
 
     Args:
         entries: Entries with the same names of parameters.
@@ -147,12 +140,12 @@ def _check_same_basis(entries: Sequence[Entry]) -> None:
         )
 
 
-def describe_task(task: str, parameters: Iterable[tuple[str, float]]) -> str:
-    """For people: 'squat amplitude=0.03 frequency=0.25'."""
-    return " ".join([task, *(f"{name}={value:g}" for name, value in parameters)])
+def describe_motion(motion: str, parameters: Iterable[tuple[str, float]]) -> str:
+    """Tell people: 'squat amplitude=0.03 frequency=0.25'."""
+    return " ".join([motion, *(f"{name}={value:g}" for name, value in parameters)])
 
 
 def describe_entries(entries: Iterable[Entry]) -> str:
-    """For people: the tasks of some entries."""
-    listed = [describe_task(entry.key.task, entry.key.parameters) for entry in entries]
+    """Tell people the motions of some entries."""
+    listed = [describe_motion(entry.key.motion, entry.key.parameters) for entry in entries]
     return ", ".join(listed) or "nothing yet"

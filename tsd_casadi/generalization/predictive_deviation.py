@@ -10,7 +10,7 @@ Gaussian Processes for Machine Learning, eqs. 5.10 to 5.12]:
     \sigma_{-i}^2 = \frac{1}{[K^{-1}]_{ii}}
 
 The process takes all weights for equally predictable. They are not: where a
-joint turns round, friction makes a step that moves with the task parameters.
+joint turns round, friction makes a step that moves with the parameters.
 So the standard deviation gets a scale over the phase, the RMS of the residuals
 of the feedforward in units of :math:`\sigma_{-i}`.
 """
@@ -18,7 +18,6 @@ of the feedforward in units of :math:`\sigma_{-i}`.
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import norm, t
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.state import Matrix, Vector
@@ -32,7 +31,7 @@ COVERED = 2.0
 
 
 def leave_one_out(covariance: Matrix, targets: Matrix) -> tuple[Matrix, Vector]:
-    """Residuals and standard deviations of each target predicted from the others.
+    """Predict each target from the others: residuals and standard deviations.
 
     Args:
         covariance: K, noise included, (n, n).
@@ -47,20 +46,15 @@ def leave_one_out(covariance: Matrix, targets: Matrix) -> tuple[Matrix, Vector]:
 
 
 def lap(basis: PeriodicBasis) -> Vector:
-    """Phases of a lap, dense for a basis, (N,) [rad].
-
-    Args:
-        basis: The basis.
-    """
+    """Sample the phases of a lap densely for a basis, (N,) [rad]."""
     count = SAMPLES * basis.L
     return np.asarray(2 * np.pi * np.arange(count) / count)
 
 
 def deviation_scale(basis: PeriodicBasis, residuals: Matrix) -> Matrix:
-    """What a standard deviation of one has to be multiplied with, over the phase.
+    """Compute what a standard deviation of one is multiplied with, over the phase.
 
     Args:
-        basis: The basis of the weights.
         residuals: Residuals of the weights in units of their predicted standard
             deviation, (n, k, L).
 
@@ -80,9 +74,11 @@ def deviation_scale(basis: PeriodicBasis, residuals: Matrix) -> Matrix:
 
 
 def student_factor(entries: int) -> float:
-    """By how much a standard deviation from few entries has to be larger.
+    """Compute by how much a standard deviation from few entries has to be larger.
 
     Args:
         entries: Their number, at least two.
     """
+    from scipy.stats import norm, t  # takes half a second
+
     return float(t.ppf(norm.cdf(COVERED), entries - 1) / COVERED)

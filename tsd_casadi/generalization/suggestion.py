@@ -1,4 +1,4 @@
-"""Which repetition would teach most: the next task parameters to learn at."""
+"""Which repetition would teach most: the next parameters to learn at."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Suggestion:
     """Where to learn next.
 
     Attributes:
-        parameters: All task parameters, SI units.
+        parameters: All parameters of the motion, SI units.
         standard_deviation: How uncertain the feedforward is there, RMS over the
             lap and the axes [m/s^2]; None while there are too few entries to tell.
     """
@@ -44,13 +44,13 @@ class Suggestion:
 
 
 def suggest(
-    task: str,
+    motion: str,
     entries: Sequence[Entry],
     regressions: EntryRegressions,
     region: Region,
     fixed: Mapping[str, float],
 ) -> Suggestion:
-    """The most uncertain place of a region, on a grid that holds its corners.
+    """Find the most uncertain place of a region, on a grid that holds its corners.
 
     The hyperparameters of a handful of entries mean little. With fewer entries
     in the region than its middle and corners would be, the place is the one
@@ -58,11 +58,10 @@ def suggest(
     comes first.
 
     Args:
-        task: Name of the motion.
-        entries: Entries of the task on one robot.
-        regressions: Regressions over them.
+        entries: Entries of the motion on one robot.
+        regressions: Over such entries.
         region: (low, high) of each parameter that may be chosen, SI units.
-        fixed: The other task parameters, SI units.
+        fixed: The other parameters, SI units.
 
     Returns:
         The place, with the predicted standard deviation there.
@@ -73,7 +72,7 @@ def suggest(
         EntryNotFound: If the entries do not fit together, or every place in the
             region has one.
     """
-    names, low, high = _ends(task, region, fixed)
+    names, low, high = _ends(motion, region, fixed)
     # repetitions that taught nothing count as well, not to be suggested for ever
     taken = _places(entries, names)
     taken = taken[np.all(_same(taken, low)[:, low == high], axis=1)]
@@ -82,7 +81,7 @@ def suggest(
     grid = grid[~is_taken]
     if len(grid) == 0:
         raise EntryNotFound("every place of that region has an entry; name a larger region")
-    deviations = _deviations(task, entries, regressions, names, grid)
+    deviations = _deviations(motion, entries, regressions, names, grid)
     inside = np.sum(((low - SAME <= taken) & (taken <= high + SAME)).all(axis=1))
     if deviations is not None and inside > 2 ** len(region):
         best = int(np.argmax(deviations))
@@ -97,9 +96,9 @@ def suggest(
 
 
 def _ends(
-    task: str, region: Region, fixed: Mapping[str, float]
+    motion: str, region: Region, fixed: Mapping[str, float]
 ) -> tuple[tuple[str, ...], Vector, Vector]:
-    """Names, lowest and highest values of all parameters."""
+    """Tell names, lowest and highest values of all parameters."""
     if not region:
         raise InvalidValue("the region", "empty", "(low, high) of at least one parameter")
     for name, (lowest, highest) in region.items():
@@ -110,7 +109,7 @@ def _ends(
                 f"the low value first, and no {name} beside it",
             )
     lows, highs = (
-        complete_parameters(task, {**fixed, **{name: ends[i] for name, ends in region.items()}})
+        complete_parameters(motion, {**fixed, **{name: ends[i] for name, ends in region.items()}})
         for i in (0, 1)
     )
     names = tuple(sorted(lows))
@@ -121,7 +120,7 @@ def _ends(
 
 
 def _places(entries: Sequence[Entry], names: tuple[str, ...]) -> Matrix:
-    """Parameters of the entries that have all of these and no others, (t, D)."""
+    """Collect the parameters of the entries that have these and no others, (t, D)."""
     parameters = [dict(entry.key.parameters) for entry in entries]
     rows = [[each[name] for name in names] for each in parameters if each.keys() == set(names)]
     return np.array(rows).reshape(-1, len(names))
@@ -132,7 +131,7 @@ def _same(one: Matrix, other: Matrix) -> NDArray[np.bool_]:
 
 
 def _grid(low: Vector, high: Vector) -> Matrix:
-    """Candidates, (m, D)."""
+    """Lay out the candidates, (m, D)."""
     varied = int(np.count_nonzero(low < high))
     # an odd number, so that the middle is among them
     count = min(FINEST_GRID, int(MOST_CANDIDATES ** (1 / max(varied, 1))) // 2 * 2 + 1)
@@ -142,13 +141,13 @@ def _grid(low: Vector, high: Vector) -> Matrix:
 
 
 def _deviations(
-    task: str,
+    motion: str,
     entries: Sequence[Entry],
     regressions: EntryRegressions,
     names: tuple[str, ...],
     grid: Matrix,
 ) -> Vector | None:
-    """Predicted standard deviation of each candidate, (m,); None if nobody can tell."""
+    """Predict the standard deviation of each candidate, (m,); None if nobody can tell."""
     learned = [entry for entry in entries if is_learned(entry, names)]
     varied = varied_parameters(learned)
     if len(learned) <= max(len(varied), 1):
@@ -156,12 +155,12 @@ def _deviations(
     same = [index for index, name in enumerate(names) if name not in varied]
     if not _same(grid, _places(learned[:1], names)[0])[:, same].all():
         return None  # the entries say nothing about another value of it
-    regression = regressions.over(task, learned)
+    regression = regressions.over(motion, learned)
     return regression.deviation(grid[:, [names.index(name) for name in regression.names]])
 
 
 def _farthest(grid: Matrix, taken: Matrix, low: Vector, high: Vector) -> int:
-    """The candidate farthest from all places taken; the middle if there are none."""
+    """Find the candidate farthest from all places taken; the middle if there are none."""
     span = np.where(low < high, high - low, 1.0)
     if len(taken) == 0:
         return int(np.argmin(np.linalg.norm((grid - (low + high) / 2) / span, axis=1)))

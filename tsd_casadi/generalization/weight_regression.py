@@ -1,8 +1,8 @@
-r"""From task parameters to weights by Gaussian process regression [generalization].
+r"""From parameters of a motion to weights by Gaussian process regression [generalization].
 
 .. math:: F_{D_b}: \kappa \mapsto w
 
-One process over all task parameters that differ, shared by all weights: a
+One process over all parameters that differ, shared by all weights: a
 Matern 5/2 kernel with a length scale for each parameter, and a little noise. It is
 less smooth than the usual squared exponential, as friction's steps over the phase
 move with the parameters. Magnitude and length scales are fitted once per database
@@ -36,18 +36,18 @@ NOISE = 1e-4
 
 
 class WeightRegression:
-    """Gaussian process over some task parameters for all weights at once.
+    """Gaussian process over some parameters of a motion for all weights at once.
 
     Attributes:
-        task: Name of the motion.
-        names: Names of the task parameters, d of them.
+        motion: Name of the motion.
+        names: Names of the parameters, d of them.
         low: Smallest learned value of each, (d,).
         high: Largest learned value of each, (d,).
     """
 
     def __init__(
         self,
-        task: str,
+        motion: str,
         names: Sequence[str],
         inputs: Matrix,
         weights: Sequence[Matrix],
@@ -56,12 +56,9 @@ class WeightRegression:
         """Fit hyperparameters.
 
         Args:
-            task: Name of the motion.
-            names: Names of the task parameters.
             inputs: Learned values, (n, d), each parameter with two different
                 ones at least.
             weights: Learned weights, n times (k, L).
-            basis: Their basis.
 
         Raises:
             EntryNotFound: If there are too few entries.
@@ -73,10 +70,10 @@ class WeightRegression:
         least = max(len(names) + 1, 2)
         if len(inputs) < least:
             raise EntryNotFound(
-                f"generalising over {' and '.join(names) or task} needs at least {least} "
+                f"generalising over {' and '.join(names) or motion} needs at least {least} "
                 f"learned entries beside the queried one, there are {len(inputs)}; learn more"
             )
-        self.task = task
+        self.motion = motion
         self.names = tuple(names)
         self.basis = basis
         self.low: Vector = inputs.min(axis=0)
@@ -128,7 +125,7 @@ class WeightRegression:
     def predict(
         self, parameters: Mapping[str, float], *, extrapolate: bool = False
     ) -> tuple[Matrix, Matrix]:
-        """Weights for some values of the parameters.
+        """Predict weights for some values of the parameters.
 
         Args:
             parameters: The values by name; others than the regression's are
@@ -147,7 +144,7 @@ class WeightRegression:
             for name, value, low, high in zip(self.names, values, self.low, self.high, strict=True):
                 if not low <= value <= high:
                     raise OutsideTrainedRange(
-                        name, float(value), float(low), float(high), unit_of(self.task, name)
+                        name, float(value), float(low), float(high), unit_of(self.motion, name)
                     )
         covariance = self._kernel(self._scale(values[None, :]), self._inputs)
         mean = self._mean + self._spread * (covariance @ self._coefficients)[0]
@@ -155,7 +152,7 @@ class WeightRegression:
         return mean.reshape(self._shape), deviation * self._deviation_scale
 
     def deviation(self, values: Matrix) -> Vector:
-        """How uncertain the feedforward is, also outside the learned range.
+        """Predict how uncertain the feedforward is, also outside the learned range.
 
         Args:
             values: Values of the parameters, (m, d).
@@ -168,14 +165,14 @@ class WeightRegression:
         return np.asarray(np.sqrt(np.mean(scale**2)) * self._unit_deviation(values))
 
     def _unit_deviation(self, values: Matrix) -> Vector:
-        """Standard deviation of a standardised weight, (m,)."""
+        """Predict the standard deviation of a standardised weight, (m,)."""
         points = self._scale(values)
         covariance = self._kernel(points, self._inputs)
         explained = np.einsum("ij,jk,ik->i", covariance, self._inverse, covariance)
         return np.asarray(np.sqrt(self._kernel.diag(points) - explained))
 
     def _scale(self, values: Matrix) -> Matrix:
-        """The learned range is [0, 1] for each parameter."""
+        """Map the learned range of each parameter to [0, 1]."""
         return np.asarray((values - self.low) / (self.high - self.low))
 
 

@@ -1,17 +1,7 @@
 r"""Inertial parameters from motion data, the model-based alternative to learning.
 
-The dynamics are linear in the parameters :math:`\pi` of all links,
-:math:`M \ddot q + h = Y(q, v, a) \pi`. Contact wrenches need not be measured:
-with Z a basis of what the contacts leave free, :math:`J_c Z = 0`,
-
-.. math:: Z^T Y \pi + Z^T S^T F(v) f = Z^T S^T \tau
-
-holds whatever they are. Z is chosen so that :math:`S Z` has orthonormal columns
-and every row has the noise of one joint torque. :math:`F f` is the friction of
-the joints, viscous and Coulomb.
-
-What the data leave open stays as in the nominal model, see
-``physical_consistency``.
+The equations are those of ``regressor``; what the data leave open stays as in the
+nominal model, see ``physical_consistency``.
 """
 
 from __future__ import annotations
@@ -23,14 +13,16 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.identification.observations import Friction, Observations
 from tsd_casadi.identification.physical_consistency import (
     PARAMETERS,
     Block,
     body,
-    minimise,
+    fit_consistent,
     pseudo_inertia,
     scalar,
 )
+from tsd_casadi.identification.regressor import friction_rows, inertial_rows, nominal_parameters
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
 
@@ -44,49 +36,6 @@ NOMINAL_FRICTION = 1.0  # N m s/rad and N m
 # gamma of its coefficients: so small that no friction is found where there is
 # none, chosen with a frictionless simulation
 FRICTION_CLOSENESS = 1e-5
-# velocity at which Coulomb friction has turned its sign [rad/s]
-SLIDING = 0.02
-
-
-@dataclass(frozen=True)
-class Observations:
-    """What a robot did, sample by sample, with all feet on the ground.
-
-    Attributes:
-        q: (N, nq).
-        v: (N, nv).
-        a: dv/dt, (N, nv).
-        tau: Joint torques, (N, n) [N m].
-    """
-
-    q: Matrix
-    v: Matrix
-    a: Matrix
-    tau: Matrix
-
-
-@dataclass(frozen=True)
-class Friction:
-    """Friction of the joints.
-
-    Attributes:
-        viscous: (n,) [N m s/rad].
-        coulomb: (n,) [N m].
-    """
-
-    viscous: Vector
-    coulomb: Vector
-
-    def torque(self, velocity: Vector) -> Vector:
-        """Compute what it takes to move against it.
-
-        Args:
-            velocity: Of the joints, (n,) [rad/s].
-
-        Returns:
-            (n,) [N m].
-        """
-        return np.asarray(self.viscous * velocity + self.coulomb * _sign(velocity))
 
 
 @dataclass(frozen=True)
@@ -104,71 +53,6 @@ class Identified:
     friction: Friction
     residual: float
     nominal_residual: float
-
-
-def nominal_parameters(robot: Robot) -> Vector:
-    """List the parameters of all links as the robot's files have them.
-
-    Returns:
-        Mass [kg], first moments [kg m] and inertia about the joint's frame
-        [kg m^2] of each joint's body, base first, (10 (n + 1),).
-    """
-    inertias = list(robot.model.inertias)[1:]
-    return np.concatenate([inertia.toDynamicParameters() for inertia in inertias])
-
-
-def free_motions(robot: Robot, q: Vector) -> Matrix:
-    """Compute Z, the velocities that keep the feet still.
-
-    Args:
-        q: Configuration, (nq,).
-
-    Returns:
-        (nv, nv - 6 contacts); the joints' rows have orthonormal columns.
-    """
-    model, data = robot.model, robot.model.createData()
-    J = np.vstack(
-        [
-            pinocchio.computeFrameJacobian(
-                model, data, q, model.getFrameId(contact.frame), pinocchio.LOCAL
-            )
-            for contact in robot.description.contacts
-        ]
-    )
-    _, _, V = np.linalg.svd(J)
-    Z = V[J.shape[0] :].T
-    _, R = np.linalg.qr(Z[6:])
-    return np.asarray(np.linalg.solve(R.T, Z.T).T)
-
-
-def inertial_rows(robot: Robot, observed: Observations) -> tuple[Matrix, Vector]:
-    """Write equations for the parameters of all links, free of contact wrenches.
-
-    Returns:
-        Z^T Y stacked over the samples, (rows, 10 (n + 1)), and Z^T S^T tau, (rows,).
-    """
-    data = robot.model.createData()
-    blocks, sides = [], []
-    for q, v, a, tau in zip(observed.q, observed.v, observed.a, observed.tau, strict=True):
-        Z = free_motions(robot, q)
-        Y = pinocchio.computeJointTorqueRegressor(robot.model, data, q, v, a)
-        blocks.append(Z.T @ Y)
-        sides.append(Z[6:].T @ tau)
-    return np.vstack(blocks), np.concatenate(sides)
-
-
-def friction_rows(robot: Robot, observed: Observations) -> Matrix:
-    """Write the columns of the friction, Z^T S^T F, for viscous, then Coulomb coefficients.
-
-    Returns:
-        (rows, 2 n), rows as in ``inertial_rows``.
-    """
-    blocks = []
-    for q, v in zip(observed.q, observed.v, strict=True):
-        joints = v[6:]
-        F = np.hstack((np.diag(joints), np.diag(_sign(joints))))
-        blocks.append(free_motions(robot, q)[6:].T @ F)
-    return np.vstack(blocks)
 
 
 def identify_inertias(
@@ -238,10 +122,6 @@ def _check(robot: Robot, observed: Observations, closeness: float) -> None:
         raise InvalidValue("closeness", closeness, "a positive number")
 
 
-def _sign(velocity: Vector) -> Vector:
-    return np.asarray(np.tanh(velocity / SLIDING))
-
-
 def _identify(robot: Robot, A: Matrix, b: Vector, closeness: float) -> Identified:
     nominal = nominal_parameters(robot)
     links = len(nominal) // PARAMETERS
@@ -249,7 +129,7 @@ def _identify(robot: Robot, A: Matrix, b: Vector, closeness: float) -> Identifie
     prior = np.concatenate((nominal, np.full(coefficients, NOMINAL_FRICTION)))
     blocks: list[Block] = [body(PARAMETERS * i, closeness) for i in range(links)]
     blocks += [scalar(len(nominal) + i, FRICTION_CLOSENESS) for i in range(coefficients)]
-    x = minimise(A / TORQUE_NOISE, b / TORQUE_NOISE, prior, blocks)
+    x = fit_consistent(A / TORQUE_NOISE, b / TORQUE_NOISE, prior, blocks)
     parts = x[: len(nominal)].reshape(links, PARAMETERS)
     friction = np.zeros(2 * robot.n)
     friction[:coefficients] = x[len(nominal) :]

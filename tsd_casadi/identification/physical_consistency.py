@@ -101,7 +101,7 @@ def scalar(place: int, gamma: float) -> Block:
     return Block(slice(place, place + 1), np.ones((1, 1, 1)), gamma)
 
 
-def minimise(A: Matrix, b: Vector, nominal: Vector, blocks: Sequence[Block]) -> Vector:
+def fit_consistent(A: Matrix, b: Vector, nominal: Vector, blocks: Sequence[Block]) -> Vector:
     """Minimise the cost by Newton's method, with steps short enough to keep it finite.
 
     Args:

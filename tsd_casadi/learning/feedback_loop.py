@@ -27,14 +27,13 @@ class FeedbackLoop(NamedTuple):
 def find_loop(
     axes: Sequence[str], parameters: Mapping[str, float], gains: Mapping[str, Any] | None
 ) -> FeedbackLoop | None:
-    """The loop of a recording, as far as it was told.
+    """Find the loop of a recording, as far as it was told.
 
     Without stiffness a constant error moves no feedback: nothing brings it
     back, and the response has no inverse at rest.
 
     Args:
-        axes: The learned axes.
-        parameters: Task parameters.
+        parameters: Of the motion, SI units.
         gains: Gains by field name.
 
     Returns:
@@ -54,11 +53,10 @@ def find_loop(
 def require_loop(
     axes: Sequence[str], parameters: Mapping[str, float], gains: Mapping[str, Any]
 ) -> FeedbackLoop:
-    """The same where nothing can be done without it.
+    """Find it where nothing can be done without.
 
     Args:
-        axes: The learned axes.
-        parameters: Task parameters.
+        parameters: Of the motion, SI units.
         gains: Gains by field name.
 
     Raises:

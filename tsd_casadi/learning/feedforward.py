@@ -25,7 +25,7 @@ class Feedforward:
         standard_deviations: Weights of its predictive standard deviation over
             the phase, (k, L) [m/s^2]; zero for a learned entry.
         kind: How it came about.
-        parameters: Task parameters it is meant for, SI units.
+        parameters: Of the motion that it is meant for, SI units.
         provenance: Where it comes from, plain data.
     """
 
@@ -37,9 +37,19 @@ class Feedforward:
     parameters: dict[str, float] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        """Say along what, of which kind and for which parameters."""
+        kind = f"{self.kind}, iteration {self.iteration}" if self.iteration else self.kind
+        given = "".join(f" {name}={value:g}" for name, value in self.parameters.items())
+        largest = float(np.abs(self.weights).max(initial=0.0))
+        return (
+            f"<Feedforward along {', '.join(self.axes)}: {kind}{given}; weights up to "
+            f"{largest:.3g} m/s^2>"
+        )
+
     @classmethod
     def zero(cls, axes: tuple[str, ...], basis: PeriodicBasis) -> Feedforward:
-        """No feedforward."""
+        """Feed nothing forward."""
         nothing = np.zeros((len(axes), basis.L))
         return cls(axes, basis, nothing, nothing, "none")
 
@@ -67,7 +77,7 @@ class Feedforward:
         return int(self.provenance.get("iteration", 0))
 
     def mean(self, phase: ArrayLike) -> Matrix:
-        """The feedforward term.
+        """Compute the feedforward term.
 
         Args:
             phase: (N,) [rad].
@@ -78,7 +88,7 @@ class Feedforward:
         return self.basis.evaluate(phase, self.weights)
 
     def std(self, phase: ArrayLike) -> Matrix:
-        """Its predictive standard deviation, in the basis of the mean.
+        """Compute its predictive standard deviation, in the basis of the mean.
 
         Args:
             phase: (N,) [rad].
@@ -89,7 +99,7 @@ class Feedforward:
         return self.basis.evaluate(phase, self.standard_deviations)
 
     def constant(self) -> Feedforward:
-        """Only its mean over a lap: what an integrator would settle at."""
+        """Keep only its mean over a lap, what an integrator would settle at."""
         # the basis sums to one, so equal weights are a constant signal
         phase = np.linspace(0, 2 * np.pi, 720, endpoint=False)
         mean = self.mean(phase).mean(axis=1, keepdims=True)

@@ -1,4 +1,4 @@
-r"""The learning update [x_fb_i-1], as in the paper and made stable.
+r"""The learning update, as in the paper and made stable [x_fb_i-1].
 
 .. math::
 
@@ -26,15 +26,15 @@ import numpy as np
 
 from tsd_casadi.encoding.harmonics import (
     Harmonics,
-    analyse,
+    analyze,
     highest_harmonic,
     sample_phases,
-    synthesise,
+    synthesize,
     to_harmonics,
     to_weights,
 )
-from tsd_casadi.encoding.laps import Lap, join_laps
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.learning.iteration import FittedRepetition
 from tsd_casadi.learning.learning_filter import LearningFilter, design_filter
 from tsd_casadi.learning.loop_response import estimate_response
 from tsd_casadi.learning.task_dynamics import shift_to_reference
@@ -48,37 +48,18 @@ POSITION_MEMORY = 3
 LARGEST_SHIFT = 0.5
 
 
-def update_weights(
-    applied: Matrix, laps: list[Lap], basis: PeriodicBasis, gain: float = 1.0
-) -> Matrix:
-    """Weights for the next repetition by the paper's rule.
+def update_weights(applied: Matrix, feedback: Matrix, gain: float = 1.0) -> Matrix:
+    """Compute weights for the next repetition by the paper's rule.
 
     Args:
         applied: Weights that the recorded repetition used, (k, L) [m/s^2].
-        laps: Steady laps of that repetition, with its feedback term.
-        basis: The basis of all weights.
+        feedback: What its feedback added in steady laps, fitted, (k, L) [m/s^2].
         gain: 1 is the paper's rule; smaller is more careful.
 
     Returns:
-        applied + gain * fitted, (k, L) [m/s^2].
+        applied + gain * feedback, (k, L) [m/s^2].
     """
-    phase, feedback = join_laps(laps)
-    return applied + gain * basis.fit(phase, feedback)
-
-
-@dataclass(frozen=True)
-class Trial:
-    """What one repetition showed.
-
-    Attributes:
-        weights: Feedforward in use, (k, L) [m/s^2].
-        error: Position error, fitted, (k, L) [m].
-        reference: Position reference, fitted, (k, L) [m].
-    """
-
-    weights: Matrix
-    error: Matrix
-    reference: Matrix
+    return np.asarray(applied + gain * feedback)
 
 
 @dataclass(frozen=True)
@@ -95,19 +76,17 @@ class StableUpdate:
 
 
 def update_stably(
-    trials: Sequence[Trial],
+    repetitions: Sequence[FittedRepetition],
     basis: PeriodicBasis,
     frequency: float,
     P: Sequence[float],
     D: Sequence[float],
     gain: float = 1.0,
 ) -> StableUpdate:
-    """Weights for the next repetition from all repetitions so far.
+    """Compute weights for the next repetition from all repetitions so far.
 
     Args:
-        trials: Repetitions of one motion at the same gains, the one to go on
-            from last.
-        basis: The basis of all weights.
+        repetitions: Of one motion at the same gains, the one to go on from last.
         frequency: Laps per second [Hz].
         P: Stiffness of each axis, positive, (k,) [1/s^2].
         D: Damping of each axis, (k,) [1/s].
@@ -117,10 +96,10 @@ def update_stably(
         The weights and the filters.
     """
     omega = angular_frequencies(basis, frequency)
-    recent = trials[-POSITION_MEMORY:]
+    recent = repetitions[-POSITION_MEMORY:]
     u, e = _harmonics_of(recent, basis)
-    x_ref = to_harmonics(basis, trials[-1].reference)
-    filters = design_filters(trials, basis, frequency, P, D)
+    x_ref = to_harmonics(basis, repetitions[-1].reference)
+    filters = design_filters(repetitions, basis, frequency, P, D)
     after = np.empty_like(u[-1])
     for axis, learning_filter in enumerate(filters):
         C = np.asarray(P[axis] + 1j * omega * D[axis], dtype=complex)
@@ -131,23 +110,22 @@ def update_stably(
 
 
 def design_filters(
-    trials: Sequence[Trial],
+    repetitions: Sequence[FittedRepetition],
     basis: PeriodicBasis,
     frequency: float,
     P: Sequence[float],
     D: Sequence[float],
 ) -> tuple[LearningFilter, ...]:
-    """The filter of each axis, from the response that some repetitions show.
+    """Design the filter of each axis for the response that some repetitions show.
 
     Args:
-        trials: As in ``update_stably``.
-        basis: The basis of all weights.
+        repetitions: As in ``update_stably``.
         frequency: Laps per second [Hz].
         P: Stiffness of each axis, positive, (k,) [1/s^2].
         D: Damping of each axis, (k,) [1/s].
     """
     omega = angular_frequencies(basis, frequency)
-    u, e = _harmonics_of(trials, basis)
+    u, e = _harmonics_of(repetitions, basis)
     return tuple(
         design_filter(
             estimate_response(u[:, axis], e[:, axis], omega, P[axis], D[axis]),
@@ -160,10 +138,9 @@ def design_filters(
 
 
 def angular_frequencies(basis: PeriodicBasis, frequency: float) -> Vector:
-    """Of the harmonics that a basis holds.
+    """Compute the angular frequencies of the harmonics that a basis holds.
 
     Args:
-        basis: The basis.
         frequency: Laps per second [Hz].
 
     Returns:
@@ -172,21 +149,23 @@ def angular_frequencies(basis: PeriodicBasis, frequency: float) -> Vector:
     return np.asarray(2 * np.pi * frequency * np.arange(highest_harmonic(basis) + 1.0))
 
 
-def _harmonics_of(trials: Sequence[Trial], basis: PeriodicBasis) -> tuple[Harmonics, Harmonics]:
-    """Feedforward and error of some repetitions, (r, k, N + 1) each."""
+def _harmonics_of(
+    repetitions: Sequence[FittedRepetition], basis: PeriodicBasis
+) -> tuple[Harmonics, Harmonics]:
+    """Put feedforward and error of some repetitions together, (r, k, N + 1) each."""
     return (
-        np.array([to_harmonics(basis, trial.weights) for trial in trials]),
-        np.array([to_harmonics(basis, trial.error) for trial in trials]),
+        np.array([to_harmonics(basis, each.weights) for each in repetitions]),
+        np.array([to_harmonics(basis, each.error) for each in repetitions]),
     )
 
 
 def _shift(u: Harmonics, e: Harmonics, x_ref: Harmonics, C: Harmonics, omega: Vector) -> Harmonics:
-    """g(x_ref) - g(x) of the newest repetition, in harmonics."""
-    accelerations = synthesise(u + C * e - omega**2 * e)
-    errors = synthesise(e)
-    reference = synthesise(x_ref[None, :])[0]
+    """Compute g(x_ref) - g(x) of the newest repetition, in harmonics."""
+    accelerations = synthesize(u + C * e - omega**2 * e)
+    errors = synthesize(e)
+    reference = synthesize(x_ref[None, :])[0]
     shift = shift_to_reference(
         sample_phases(), list(reference - errors), list(accelerations), reference
     )
     bound = LARGEST_SHIFT * C[0].real * np.abs(errors[-1])
-    return analyse(np.clip(shift, -bound, bound), len(omega) - 1)
+    return analyze(np.clip(shift, -bound, bound), len(omega) - 1)

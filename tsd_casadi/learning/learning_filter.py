@@ -57,7 +57,7 @@ class LearningFilter:
     plain_contraction: Vector
 
     def apply(self, feedforward: Harmonics, feedback: Harmonics) -> Harmonics:
-        """The next feedforward.
+        """Compute the next feedforward.
 
         Args:
             feedforward: u_i, (N + 1,) [m/s^2].
@@ -73,7 +73,6 @@ def design_filter(response: LoopResponse, omega: Vector, P: float, D: float) -> 
     """Choose lead and bandwidth for an estimated response.
 
     Args:
-        response: The response.
         omega: Angular frequency of each harmonic, (N + 1,) [rad/s].
         P: Stiffness, positive [1/s^2].
         D: Damping [1/s].

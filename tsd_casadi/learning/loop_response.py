@@ -28,7 +28,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares, minimize_scalar
 
 from tsd_casadi.encoding.harmonics import Harmonics
 from tsd_casadi.state import Vector
@@ -67,7 +66,7 @@ class LoopResponse:
     delay_deviation: float = PRIOR_DELAY_DEVIATION
 
     def transfer(self, omega: Vector, P: float, D: float) -> Harmonics:
-        """T at some angular frequencies.
+        """Compute T at some angular frequencies.
 
         Args:
             omega: (N + 1,) [rad/s].
@@ -103,6 +102,8 @@ def estimate_response(
     """
     if len(feedforward) < 2:
         return LoopResponse()
+    from scipy.optimize import least_squares
+
     C = P + 1j * omega * D
     change_e = np.diff(errors, axis=0)
     change_a = np.diff(feedforward, axis=0) + C * change_e
@@ -128,7 +129,9 @@ def estimate_response(
 
 
 def _unexplained(change_a: Harmonics, change_e: Harmonics, omega: Vector) -> float:
-    """Share of the changes that no gain, delay and spring explain, 0 to 1."""
+    """Compute the share of the changes that no gain, delay and spring explain, 0 to 1."""
+    from scipy.optimize import minimize_scalar
+
     power = float(np.linalg.norm(change_a))
     if power == 0.0:
         return 1.0

@@ -19,7 +19,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import minimize
 
 from tsd_casadi.state import Matrix, Vector
 
@@ -37,7 +36,7 @@ EVERY = 5
 def shift_to_reference(
     phases: Vector, positions: Sequence[Vector], accelerations: Sequence[Vector], reference: Vector
 ) -> Vector:
-    """g(x_ref) - g(x) of the newest repetition.
+    """Compute g(x_ref) - g(x) of the newest repetition.
 
     Args:
         phases: The sampled phases, (M,) [rad].
@@ -76,7 +75,8 @@ def _covariance(magnitudes: Vector, by_position: Matrix, by_phase: Matrix) -> Ma
 
 
 def _fit_magnitudes(by_position: Matrix, by_phase: Matrix, a: Vector) -> Vector:
-    """Magnitudes of g, p and noise at the largest posterior."""
+    """Find the magnitudes of g, p and noise at the largest posterior."""
+    from scipy.optimize import minimize
 
     def loss(logarithms: Vector) -> float:
         K = _covariance(np.exp(logarithms), by_position, by_phase)

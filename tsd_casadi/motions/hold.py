@@ -5,19 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file import ComTaskFile
+from tsd_casadi.robot.robot_file_sections import ComTaskFile
 from tsd_casadi.state import State
 from tsd_casadi.tick.command import Command
 
 
 def hold(command: Command, robot: Robot, posture: State) -> None:
-    """Write a posture into a command: every task's reference and the joints'.
-
-    Args:
-        command: The command to change.
-        robot: Its robot.
-        posture: What to hold.
-    """
+    """Write a posture into a command: every task's reference and the joints'."""
     for task in robot.description.tasks:
         if isinstance(task, ComTaskFile):
             command[f"{task.name}.reference"] = robot.center_of_mass(posture.q)

@@ -15,7 +15,7 @@ import pinocchio
 
 from tsd_casadi.motions.hold import hold
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file import FRAME_AXES, ComTaskFile
+from tsd_casadi.robot.robot_file_sections import FRAME_AXES, ComTaskFile
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.command import Command
 
@@ -25,15 +25,7 @@ ACCELERATION, JOINT_ACCELERATION = 0.4, 4.0
 
 
 def short_way(robot: Robot, postures: Sequence[State]) -> list[int]:
-    """The postures' order from home on, each time to the nearest one.
-
-    Args:
-        robot: The robot.
-        postures: To be visited.
-
-    Returns:
-        Their indices.
-    """
+    """Order postures from home on, each time to the nearest one; tell their indices."""
     way, left, last = [], set(range(len(postures))), robot.home
     while left:
         durations = {index: duration_of(robot, last, postures[index]) for index in left}
@@ -45,13 +37,7 @@ def short_way(robot: Robot, postures: Sequence[State]) -> list[int]:
 
 
 def duration_of(robot: Robot, start: State, end: State) -> float:
-    """How long a move takes [s].
-
-    Args:
-        robot: The robot.
-        start: At rest.
-        end: At rest.
-    """
+    """Compute how long a move from rest to rest takes [s]."""
     # x'' is at most 2 pi / duration^2 of the whole way
     shift = np.linalg.norm(robot.center_of_mass(end.q) - robot.center_of_mass(start.q))
     turn = np.abs(end.q[7:] - start.q[7:]).max()
@@ -68,7 +54,6 @@ class Way:
         """Note the references of both ends.
 
         Args:
-            robot: The robot.
             command: What ``write`` changes.
             start: At rest.
             end: At rest.

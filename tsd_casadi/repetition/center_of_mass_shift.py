@@ -1,4 +1,4 @@
-r"""A run with the corrected centre of mass.
+r"""A repetition with the corrected centre of mass.
 
 .. math:: x_{ref} + \big( c_{model}(q) - c(q) \big) - c_{model}(q) = x_{ref} - c(q)
 
@@ -20,7 +20,7 @@ class CenterOfMassShift(Compensator):
         """Use a correction.
 
         Args:
-            correction: Of the robot that will run.
+            correction: Of the robot that will move.
         """
         self._correction = correction
 
@@ -28,10 +28,8 @@ class CenterOfMassShift(Compensator):
         """Refuse another robot's correction, or a task that is no centre of mass.
 
         Args:
-            setting: What the run is about.
-
         Raises:
-            InvalidValue: If correction and run do not belong together.
+            InvalidValue: If correction and repetition do not belong together.
         """
         corrected, robot = self._correction.robot, setting.robot
         if corrected.fingerprint != robot.fingerprint:
@@ -45,11 +43,7 @@ class CenterOfMassShift(Compensator):
             raise InvalidValue("task", setting.task, "one of the centre of mass")
 
     def before(self, moment: Moment) -> None:
-        """Shift position and velocity.
-
-        Args:
-            moment: The tick, without its answer.
-        """
+        """Shift position and velocity."""
         q, v = moment.state.q, moment.state.v
         moment.shift -= self._correction.offset(q)
         moment.shift_rate -= self._correction.offset_rate(q, v)

@@ -15,7 +15,7 @@ feedforward, so that u makes tracking worse than none when
 
 That is decided over a whole lap, and after half a lap already where the left
 side is three times the right one. The feedforward is then faded out for the
-rest of the run.
+rest of the repetition.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ CLEARLY_WORSE = 3.0
 
 
 class FeedforwardGate(Compensator):
-    """Watches one run's feedforward.
+    """Watches one repetition's feedforward.
 
     Attributes:
         dropped_at: When it was dropped [s]; None while it is in use.
@@ -45,7 +45,7 @@ class FeedforwardGate(Compensator):
         self.dropped_at: float | None = None
 
     def start(self, setting: Setting) -> None:
-        """Note which axis is learned; a new run starts with the feedforward in use."""
+        """Note which axis is learned; a repetition starts with the feedforward in use."""
         self.dropped_at = None
         self._axis, self._component = setting.axis, setting.component
         self._task, self._dt = setting.task, setting.dt
@@ -81,7 +81,7 @@ class FeedforwardGate(Compensator):
 
 
 class _Window:
-    """Sums over the newest part of a run."""
+    """Sums over the newest part of a repetition."""
 
     def __init__(self, length: float, ratio: float) -> None:
         """Start with nothing.

@@ -32,7 +32,7 @@ class Gains:
 
     @classmethod
     def critical(cls, factor: float) -> Gains:
-        """P times a factor, with D = 2 sqrt(P) still true where it was.
+        """Scale P by a factor, with D = 2 sqrt(P) still true where it was.
 
         Args:
             factor: On the stiffness.

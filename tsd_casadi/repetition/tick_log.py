@@ -8,29 +8,10 @@ import numpy as np
 
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.repetition.compensator import Moment, Setting
+from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.state import Vector
 
-# name: unit and meaning; (k,) is along the axes of the repetition
-COLUMNS = {
-    "time": "s",
-    "phase": "rad",
-    "lap": "1, -1 while holding",
-    "reference": "m, rad, (k,), relative to the middle",
-    "error": "m, rad, (k,), as the controller sees it",
-    "true_error": "m, rad, (k,), of the robot itself; NaN where nobody knows it",
-    "feedback": "m/s^2, rad/s^2, (k,)",
-    "feedforward": "m/s^2, rad/s^2, (k,)",
-    "all_errors": "m, rad, all axes of all tasks",
-    "q": "Pinocchio's convention",
-    "v": "Pinocchio's convention",
-    "tau": "N m",
-    "wrenches": "N, N m, sole frames",
-    "status": "0 ok",
-    "compute_us": "us, inside the compiled function",
-    "tick_us": "us, round trip as the client sees it",
-}
-MEASURED = "whether the tick is in a steady lap"
-SINGLE_PRECISION = ("all_errors", "q", "v", "tau", "wrenches")
+COLUMNS = [name for name in LOG_FIELDS if name != "measured"]
 
 
 class TickLog:
@@ -93,7 +74,8 @@ class TickLog:
         """
         rows = self._rows[start:end]
         return {
-            name: np.array([row[column] for row in rows]) for column, name in enumerate(COLUMNS)
+            name: np.array([row[column] for row in rows], dtype=LOG_FIELDS[name].type)
+            for column, name in enumerate(COLUMNS)
         }
 
     def log(self, first_lap: int | None) -> dict[str, Vector]:
@@ -108,8 +90,6 @@ class TickLog:
             starts = [self._lap_ends[first_lap - 1]] if first_lap else [self._first_moving(log)]
             measured[starts[0] : self._lap_ends[-1]] = True
         log["measured"] = measured
-        for name in SINGLE_PRECISION:
-            log[name] = log[name].astype(np.float32)
         return log
 
     def _first_moving(self, log: dict[str, Vector]) -> int:

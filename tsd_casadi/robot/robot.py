@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,13 +13,9 @@ import pinocchio
 
 import tsd_models
 from tsd_casadi.exceptions import InvalidValue, RobotFileError, UnknownRobot
+from tsd_casadi.robot.checks import check_robot
 from tsd_casadi.robot.robot_file import RobotFile, read_robot_file
 from tsd_casadi.state import State, Vector
-
-# how far home may leave the soles from lying flat on one plane [m, -]
-FLATNESS = 1e-3
-# singular value of the contact Jacobian below which a direction counts as lost
-RANK_TOLERANCE = 1e-4
 
 
 class Robot:
@@ -49,14 +46,17 @@ class Robot:
         self.name = self.description.name
         self.model = self._build_model()
         self.joint_names: list[str] = list(self.model.names)[2:]
-        self._check_names()
         self.torque_limit: Vector = np.array(self.model.effortLimit[6:])
-        self._check_limits()
         digest = hashlib.sha256(self.path.read_bytes())
         digest.update(self.urdf_path.read_bytes())
         self.fingerprint = digest.hexdigest()[:16]
-        self._check_postures()
-        self._check_mobility()
+        check_robot(self)
+
+    def __repr__(self) -> str:
+        """Name the robot and what it has."""
+        parts = (self.description.contacts, self.description.tasks)
+        contacts, tasks = (", ".join(part.name for part in each) for each in parts)
+        return f"<Robot {self.name}: {self.n} joints; contacts {contacts}; tasks {tasks}>"
 
     @property
     def n(self) -> int:
@@ -95,7 +95,7 @@ class Robot:
         return self._standing(self.description.home)
 
     def posture(self, name: str) -> State:
-        """A posture of the robot file at rest, soles flat on the ground plane z = 0.
+        """Compute a posture of the file at rest, soles flat on the ground plane z = 0.
 
         Args:
             name: 'home' or one of the file's ``postures``.
@@ -111,7 +111,7 @@ class Robot:
         return self._standing(postures[name])
 
     def center_of_mass(self, q: Vector) -> Vector:
-        """Centre of mass of a configuration, shape (3,) [m], world frame."""
+        """Compute the centre of mass of a configuration, shape (3,) [m], world frame."""
         return np.array(pinocchio.centerOfMass(self.model, self.model.createData(), q))
 
     @cached_property
@@ -120,7 +120,7 @@ class Robot:
         return self.center_of_mass(self.home.q)
 
     def sole_placements(self, q: Vector) -> list[Any]:
-        """Where the soles are.
+        """Compute where the soles are.
 
         Args:
             q: Configuration, shape (nq,).
@@ -166,7 +166,7 @@ class Robot:
         return f"{prefer if prefer in able else able[0]}.{axis}"
 
     def put_on_ground(self, q: Vector) -> Vector:
-        """A configuration raised or lowered until its soles are at z = 0 on average.
+        """Raise or lower a configuration until its soles are at z = 0 on average.
 
         Args:
             q: Configuration, shape (nq,).
@@ -186,7 +186,7 @@ class Robot:
         return State(q=self.put_on_ground(q), v=np.zeros(self.nv))
 
     def frame_placement(self, frame: str, q: Vector) -> tuple[Vector, Vector]:
-        """Where a frame is.
+        """Compute where a frame is.
 
         Args:
             frame: Name of a frame of the URDF.
@@ -206,7 +206,7 @@ class Robot:
 
     def _build_model(self) -> Any:
         for field, path in (("urdf", self.urdf_path), ("scene", self.scene_path)):
-            if not path.is_file():
+            if not os.path.isfile(path):  # a path's own is_file refuses long names
                 raise self._error(field, f"'{path}' is no file", "a path relative to this file")
         try:
             model = pinocchio.buildModelFromUrdf(
@@ -226,91 +226,6 @@ class Robot:
             )
         return model
 
-    def _check_names(self) -> None:
-        frames = [frame.name for frame in self.model.frames]
-        for kind, parts in (
-            ("contacts", self.description.contacts),
-            ("tasks", self.description.tasks),
-        ):
-            for index, part in enumerate(parts):
-                frame = getattr(part, "frame", None)
-                if frame is not None and frame not in frames:
-                    raise self._error(
-                        f"{kind}.{index}.frame",
-                        f"'{frame}' is no frame of {self.urdf_path.name}",
-                        f"one of {', '.join(frames[1:])}",
-                    )
-        for field, joints in self._postures():
-            for joint in joints:
-                if joint not in self.joint_names:
-                    raise self._error(
-                        f"{field}.{joint}",
-                        f"is no joint of {self.urdf_path.name}",
-                        f"one of {', '.join(self.joint_names)}",
-                    )
-
-    def _check_limits(self) -> None:
-        for joint, limit in zip(self.joint_names, self.torque_limit, strict=True):
-            if not 0 < limit < 1e6:
-                raise RobotFileError(
-                    self.urdf_path,
-                    f"joint {joint}, limit, effort",
-                    f"is {limit:g}",
-                    "a positive torque limit in N m",
-                )
-        for field, joints in self._postures():
-            for joint, angle in joints.items():
-                index = self.model.joints[self.model.getJointId(joint)].idx_q
-                low = self.model.lowerPositionLimit[index]
-                high = self.model.upperPositionLimit[index]
-                if not low <= angle <= high:
-                    raise self._error(
-                        f"{field}.{joint}",
-                        f"is {angle:g} rad",
-                        f"a value from {low:g} to {high:g} rad",
-                    )
-
-    def _postures(self) -> list[tuple[str, dict[str, float]]]:
-        """Every posture of the file with the name of its field."""
-        others = self.description.postures.items()
-        return [
-            ("home", self.description.home),
-            *((f"postures.{name}", joints) for name, joints in others),
-        ]
-
-    def _check_postures(self) -> None:
-        for field, joints in self._postures():
-            self._check_flat(field, self._standing(joints))
-
-    def _check_mobility(self) -> None:
-        """The feet must be free to accelerate independently of each other."""
-        data = self.model.createData()
-        rows = [
-            pinocchio.computeFrameJacobian(self.model, data, self.home.q, frame, pinocchio.LOCAL)
-            for frame in self.sole_frames
-        ]
-        rank = int(np.linalg.matrix_rank(np.vstack(rows), tol=RANK_TOLERANCE))
-        if rank < 6 * len(rows):
-            raise self._error(
-                "contacts",
-                f"at home the feet can move in {rank} ways only, six each would be {6 * len(rows)}",
-                "legs with at least six joints each and a home posture without straight knees",
-            )
-
-    def _check_flat(self, field: str, state: State) -> None:
-        for contact, placement in zip(
-            self.description.contacts, self.sole_placements(state.q), strict=True
-        ):
-            height = abs(placement.translation[2])
-            tilt = float(np.linalg.norm(placement.rotation[:, 2] - [0, 0, 1]))
-            if height > FLATNESS or tilt > FLATNESS:
-                raise self._error(
-                    field,
-                    f"leaves {contact.name} {1e3 * height:.1f} mm off the ground plane and "
-                    f"tilted by {tilt:.4f} rad",
-                    "joint angles with all soles flat on one plane",
-                )
-
 
 def load_robot(robot: str | Path) -> Robot:
     """Load a robot by name or by file.
@@ -328,7 +243,7 @@ def load_robot(robot: str | Path) -> Robot:
     shipped = tsd_models.robot_files()
     if str(robot) in shipped:
         return Robot(shipped[str(robot)])
-    path = Path(robot).expanduser()
-    if not path.is_file():
+    path = Path(os.path.expanduser(robot))
+    if not os.path.isfile(path):
         raise UnknownRobot(str(robot), list(shipped))
     return Robot(path)

@@ -33,10 +33,9 @@ DAMPING = 1e-12
 
 
 def stand(robot: Robot, height: float) -> State:
-    """The posture with the centre of mass above home by a height, at rest.
+    """Find the posture with the centre of mass above home by a height, at rest.
 
     Args:
-        robot: The robot.
         height: Above home, negative below [m].
 
     Returns:
@@ -74,7 +73,7 @@ def stand(robot: Robot, height: float) -> State:
 def _residual(
     robot: Robot, data: Any, q: Vector, soles: list[Any], com: Vector
 ) -> tuple[Vector, Matrix]:
-    """What is wrong with a configuration, and its Jacobian by v."""
+    """Compute what is wrong with a configuration, and its Jacobian by v."""
     model = robot.model
     J_com = pinocchio.jacobianCenterOfMass(model, data, q)
     pinocchio.computeJointJacobians(model, data, q)

@@ -6,7 +6,7 @@ import casadi as ca
 
 from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file import FRAME_AXES
+from tsd_casadi.robot.robot_file_sections import FRAME_AXES
 from tsd_casadi.tasks.task import Read, Task, TaskTerms
 from tsd_casadi.tick.layout import Field
 

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.state import State, Vector
-from tsd_casadi.tick.layout import Layout
+from tsd_casadi.tick.layout import Field, Layout
 
 
 class Command:
@@ -29,6 +29,15 @@ class Command:
         self._q = layout.slice("q")
         self._v = layout.slice("v")
         self.request = layout.defaults()
+
+    def __repr__(self) -> str:
+        """Say how much can be set."""
+        return f"<Command: {self.request.size} float64 in {len(self.fields)} fields, see .fields>"
+
+    @property
+    def fields(self) -> dict[str, Field]:
+        """What can be set, by name, with size, unit, meaning and range."""
+        return {field.name: field for field in self._layout}
 
     def __getitem__(self, name: str) -> Vector:
         """Give a writable view of a field.

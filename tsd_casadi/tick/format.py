@@ -55,6 +55,17 @@ class TickFormat:
     request: Layout
     reply: Layout
 
+    def summary(self) -> str:
+        """Name the robot and the sizes: 'hermes_lower: 17 joints, 80 rows, ...'."""
+        return (
+            f"{self.robot}: {len(self.joints)} joints, {len(self.row_names)} rows, request of "
+            f"{self.request.size} and reply of {self.reply.size} float64"
+        )
+
+    def __repr__(self) -> str:
+        """Name the robot and the sizes."""
+        return f"<TickFormat of {self.summary()}>"
+
     @property
     def layout_hash(self) -> int:
         """Fingerprint of both layouts, 64 bits."""

@@ -22,6 +22,14 @@ class Tick:
     format: TickFormat
     reply: Vector
 
+    def __repr__(self) -> str:
+        """Say how the tick ended and what it asks for."""
+        largest = float(np.abs(self.tau).max(initial=0.0))
+        return (
+            f"<Tick of {self.format.robot}: {self.status.name.lower()}, torques up to "
+            f"{largest:.1f} N m, {len(self.active)} rows active, {self.compute_time:.0f} us>"
+        )
+
     def _field(self, name: str) -> Vector:
         return self.reply[self.format.reply.slices[name]]
 

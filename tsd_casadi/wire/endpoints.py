@@ -87,7 +87,7 @@ def configure_runtime() -> None:
 def session_settings(
     *, listen: Sequence[str] = (), connect: Sequence[str] = (), low_latency: bool = False
 ) -> dict[str, str]:
-    """Settings of a Zenoh session, as JSON by configuration key.
+    """Write the settings of a Zenoh session, as JSON by configuration key.
 
     Args:
         listen: Endpoints to listen on; whoever does takes in nothing but queries.

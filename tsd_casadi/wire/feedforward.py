@@ -21,25 +21,21 @@ class QuantityMessage(Document):
     unit: str
 
     @classmethod
-    def of(cls, task: str, name: str, value: float) -> QuantityMessage:
-        """Describe the value of a task parameter."""
-        return cls(value=value, unit=unit_of(task, name))
+    def of(cls, motion: str, name: str, value: float) -> QuantityMessage:
+        """Describe the value of a motion's parameter."""
+        return cls(value=value, unit=unit_of(motion, name))
 
 
-def plain_parameters(task: str, parameters: dict[str, QuantityMessage]) -> dict[str, float]:
-    """Task parameters in SI units.
-
-    Args:
-        task: Name of the motion.
-        parameters: With units.
+def plain_parameters(motion: str, parameters: dict[str, QuantityMessage]) -> dict[str, float]:
+    """Check the units of a motion's parameters and drop them.
 
     Raises:
         MalformedMessage: If a unit is not the parameter's.
     """
     for name, quantity in parameters.items():
-        if quantity.unit != unit_of(task, name):
+        if quantity.unit != unit_of(motion, name):
             raise MalformedMessage(
-                f"{name} of a {task} in '{quantity.unit}'", f"'{unit_of(task, name)}'"
+                f"{name} of a {motion} in '{quantity.unit}'", f"'{unit_of(motion, name)}'"
             )
     return {name: quantity.value for name, quantity in parameters.items()}
 
@@ -62,17 +58,17 @@ class BasisMessage(Document):
     @classmethod
     def of(cls, basis: PeriodicBasis) -> BasisMessage:
         """Describe a basis."""
-        return cls(L=basis.L, centres=tuple(basis.centres), width=basis.width)
+        return cls(L=basis.L, centres=tuple(basis.centers), width=basis.width)
 
     def basis(self) -> PeriodicBasis:
-        """The basis.
+        """Make the basis.
 
         Raises:
             MalformedMessage: If the centres are not 2 pi j / L.
         """
         basis = PeriodicBasis(self.L, self.width)
         if len(self.centres) != self.L or not np.allclose(
-            self.centres, basis.centres, rtol=0, atol=1e-9
+            self.centres, basis.centers, rtol=0, atol=1e-9
         ):
             raise MalformedMessage("basis.centres", "2 pi j / L for j = 0 ... L - 1")
         return basis
@@ -86,7 +82,7 @@ class FeedforwardMessage(Document):
         robot: Name of the robot.
         task: Name of the motion.
         axes: Names 'task.axis', k of them, world axes.
-        parameters: Task parameters with units.
+        parameters: Of the motion, with units.
         unit: Unit of weights and standard deviations.
         basis: The basis.
         weights: k rows of L numbers.
@@ -109,14 +105,14 @@ class FeedforwardMessage(Document):
     provenance: dict[str, Any]
 
     @classmethod
-    def of(cls, robot: str, task: str, feedforward: Feedforward) -> FeedforwardMessage:
+    def of(cls, robot: str, motion: str, feedforward: Feedforward) -> FeedforwardMessage:
         """Describe a feedforward."""
         return cls(
             robot=robot,
-            task=task,
+            task=motion,
             axes=feedforward.axes,
             parameters={
-                name: QuantityMessage.of(task, name, value)
+                name: QuantityMessage.of(motion, name, value)
                 for name, value in feedforward.parameters.items()
             },
             basis=BasisMessage.of(feedforward.basis),
@@ -127,7 +123,7 @@ class FeedforwardMessage(Document):
         )
 
     def feedforward(self) -> Feedforward:
-        """The feedforward.
+        """Make the feedforward.
 
         Raises:
             MalformedMessage: If shapes or units do not fit.
@@ -136,6 +132,12 @@ class FeedforwardMessage(Document):
         deviations = to_matrix("standard_deviations", self.standard_deviations, shape)
         if (deviations < 0).any():
             raise MalformedMessage("a negative standard deviation", "none below zero")
+        entries, iteration = (self.provenance.get(name) for name in ("entries", "iteration"))
+        if not isinstance(entries, list) or type(iteration) is not int:
+            raise MalformedMessage(
+                f"provenance with entries {entries!r}, iteration {iteration!r}",
+                "a list of entries and the number of an iteration",
+            )
         return Feedforward(
             axes=self.axes,
             basis=self.basis.basis(),

@@ -134,7 +134,7 @@ class InfoMessage(Document):
         )
 
     def tick_format(self) -> TickFormat:
-        """The meaning of requests and replies."""
+        """Tell what the numbers of requests and replies mean."""
         return TickFormat(
             robot=self.robot,
             joints=self.joints,

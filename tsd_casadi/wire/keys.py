@@ -4,7 +4,7 @@
 
     tsd/<robot>/controller/tick      state and command -> torque (binary)
     tsd/<robot>/controller/info      dimensions, layouts, limits (JSON)
-    tsd/<robot>/learner/feedforward  task parameters -> feedforward (JSON)
+    tsd/<robot>/learner/feedforward  parameters of a motion -> feedforward (JSON)
     tsd/<robot>/learner/suggestion   a region of them -> where to learn next (JSON)
     tsd/<robot>/learner/record       laps of one repetition -> what was learned (JSON)
     tsd/<robot>/learner/database     what is known (JSON)
@@ -15,44 +15,63 @@ One learner serves every robot, so its keys have ``*`` for the robot.
 
 from __future__ import annotations
 
+import re
+
+from tsd_casadi.exceptions import InvalidValue, MalformedMessage
+
 ANY_ROBOT = "*"
+# what may stand for a robot: one chunk of a key, without wildcards in it
+_CHUNK = re.compile(r"[^/*$#?@][^/*$#?]*|\*")
 
 
 def tick_key(robot: str) -> str:
-    """Key of the tick."""
-    return f"tsd/{robot}/controller/tick"
+    """Make the key of the tick."""
+    return _key(robot, "controller/tick")
 
 
 def info_key(robot: str) -> str:
-    """Key of the controller's description."""
-    return f"tsd/{robot}/controller/info"
+    """Make the key of the controller's description."""
+    return _key(robot, "controller/info")
 
 
 def feedforward_key(robot: str) -> str:
-    """Key of learned and generalised feedforward."""
-    return f"tsd/{robot}/learner/feedforward"
+    """Make the key of learned and generalised feedforward."""
+    return _key(robot, "learner/feedforward")
 
 
 def suggestion_key(robot: str) -> str:
-    """Key of the place to learn at next."""
-    return f"tsd/{robot}/learner/suggestion"
+    """Make the key of the place to learn at next."""
+    return _key(robot, "learner/suggestion")
 
 
 def record_key(robot: str) -> str:
-    """Key that takes recordings."""
-    return f"tsd/{robot}/learner/record"
+    """Make the key that takes recordings."""
+    return _key(robot, "learner/record")
 
 
 def database_key(robot: str) -> str:
-    """Key of the list of entries."""
-    return f"tsd/{robot}/learner/database"
+    """Make the key of the list of entries."""
+    return _key(robot, "learner/database")
 
 
 def alive_key(robot: str, role: str) -> str:
-    """Key of a service's liveliness token."""
-    return f"tsd/{robot}/{role}/alive"
+    """Make the key of a service's liveliness token."""
+    return _key(robot, f"{role}/alive")
 
 
 def robot_of(key: str) -> str:
-    """The robot's chunk of a key."""
-    return key.split("/")[1]
+    """Find the robot's chunk of a key.
+
+    Raises:
+        MalformedMessage: If the key has none.
+    """
+    chunks = key.split("/")
+    if len(chunks) < 2:
+        raise MalformedMessage(f"key {key}", "a key of 'tsd/<robot>/...'")
+    return chunks[1]
+
+
+def _key(robot: str, rest: str) -> str:
+    if _CHUNK.fullmatch(robot) is None:
+        raise InvalidValue("robot", repr(robot), "the name of a robot, without any of / * $ # ? @")
+    return f"tsd/{robot}/{rest}"

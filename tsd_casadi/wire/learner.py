@@ -12,7 +12,11 @@ from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.entry import Entry
-from tsd_casadi.learning.recording import Context, Recording, Rule, TaskKey
+from tsd_casadi.learning.entry_key import EntryKey
+from tsd_casadi.learning.instruction import USUAL, Instruction
+from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.rules.by_name import find_rule
+from tsd_casadi.learning.rules.rule import RuleName
 from tsd_casadi.wire.feedforward import BasisMessage, QuantityMessage
 
 
@@ -43,7 +47,7 @@ class LapMessage(Document):
         )
 
     def lap(self, k: int) -> Lap:
-        """The lap.
+        """Make the lap.
 
         Args:
             k: Number of learned axes.
@@ -76,12 +80,12 @@ class ContextMessage(Document):
 
 
 class RecordMessage(Document):
-    """The steady laps of one repetition.
+    """The steady laps of one repetition, and what to do with them.
 
     Attributes:
         task: Name of the motion.
         axes: Learned axes, names 'task.axis'.
-        parameters: Task parameters, SI units; those with a default may be left out.
+        parameters: Of the motion, SI units; those with a default may be left out.
         basis: Basis of the applied weights.
         applied: Weights in use during the repetition, k rows of L [m/s^2].
         laps: Whole steady laps.
@@ -100,15 +104,15 @@ class RecordMessage(Document):
     laps: Annotated[list[LapMessage], Field(min_length=1, max_length=100)]
     errors: dict[Name, Finite]
     context: ContextMessage
-    rule: Rule = "guarded"
+    rule: RuleName = "guarded"
     update: bool = True
     restart: bool = False
 
     @classmethod
-    def of(cls, recording: Recording) -> RecordMessage:
-        """Describe a recording."""
+    def of(cls, recording: Recording, instruction: Instruction = USUAL) -> RecordMessage:
+        """Describe a recording and what to do with it."""
         return cls(
-            task=recording.key.task,
+            task=recording.key.motion,
             axes=recording.key.axes,
             parameters=dict(recording.key.parameters),
             basis=BasisMessage.of(recording.basis),
@@ -116,13 +120,13 @@ class RecordMessage(Document):
             laps=[LapMessage.of(lap) for lap in recording.laps],
             errors=recording.errors,
             context=ContextMessage(**vars(recording.context)),
-            rule=recording.rule,
-            update=recording.update,
-            restart=recording.restart,
+            rule=instruction.rule.name,
+            update=instruction.update,
+            restart=instruction.restart,
         )
 
     def recording(self, robot: str) -> Recording:
-        """The recording.
+        """Make the recording.
 
         Args:
             robot: Name of the robot, from the key.
@@ -134,16 +138,17 @@ class RecordMessage(Document):
             raise MalformedMessage("errors without a valid rms_error_m", "an RMS error in metres")
         k = len(self.axes)
         return Recording(
-            key=TaskKey.of(robot, self.task, self.axes, self.parameters),
+            key=EntryKey.of(robot, self.task, self.axes, self.parameters),
             basis=self.basis.basis(),
             applied=to_matrix("applied", self.applied, (k, self.basis.L)),
             laps=[lap.lap(k) for lap in self.laps],
             errors=dict(self.errors),
             context=Context(**self.context.model_dump()),
-            rule=self.rule,
-            update=self.update,
-            restart=self.restart,
         )
+
+    def instruction(self) -> Instruction:
+        """Make the order that came with the recording."""
+        return Instruction(find_rule(self.rule), self.update, self.restart)
 
 
 class EntryMessage(Document):
@@ -154,7 +159,7 @@ class EntryMessage(Document):
         robot: Name of the robot.
         task: Name of the motion.
         axes: Learned axes.
-        parameters: Task parameters with units.
+        parameters: Of the motion, with units.
         served: Iteration that a query is answered with.
         learning_gain: Share of the feedback that is added next.
         rule: Of the learning, see the schema.
@@ -171,7 +176,7 @@ class EntryMessage(Document):
     parameters: dict[str, QuantityMessage]
     served: int
     learning_gain: float
-    rule: Rule
+    rule: RuleName
     updated: str
     iterations: list[tuple[int, dict[str, float] | None]]
     contractions: tuple[Contraction, ...] = ()
@@ -182,15 +187,15 @@ class EntryMessage(Document):
         return cls(
             entry=entry.identifier,
             robot=entry.key.robot,
-            task=entry.key.task,
+            task=entry.key.motion,
             axes=entry.key.axes,
             parameters={
-                name: QuantityMessage.of(entry.key.task, name, value)
+                name: QuantityMessage.of(entry.key.motion, name, value)
                 for name, value in entry.key.parameters
             },
             served=entry.served.number,
             learning_gain=entry.learning_gain,
-            rule=entry.rule,
+            rule=entry.rule.name,
             updated=entry.updated,
             iterations=[(item.number, item.errors) for item in entry.iterations],
             contractions=entry.contractions,

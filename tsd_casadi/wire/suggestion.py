@@ -12,13 +12,13 @@ from tsd_casadi.wire.feedforward import QuantityMessage, plain_parameters
 
 
 class SuggestionMessage(Document):
-    """The task parameters whose repetition would teach most.
+    """The parameters of a motion whose repetition would teach most.
 
     Attributes:
         format: Name and version of this message.
         robot: Name of the robot.
         task: Name of the motion.
-        parameters: Task parameters with units.
+        parameters: Of the motion, with units.
         standard_deviation: Of the feedforward predicted there, RMS over the lap
             and the axes; null while there are too few entries to tell.
         unit: Unit of the standard deviation.
@@ -32,20 +32,20 @@ class SuggestionMessage(Document):
     unit: Literal["m/s^2"] = "m/s^2"
 
     @classmethod
-    def of(cls, robot: str, task: str, suggestion: Suggestion) -> SuggestionMessage:
+    def of(cls, robot: str, motion: str, suggestion: Suggestion) -> SuggestionMessage:
         """Describe a suggestion."""
         return cls(
             robot=robot,
-            task=task,
+            task=motion,
             parameters={
-                name: QuantityMessage.of(task, name, value)
+                name: QuantityMessage.of(motion, name, value)
                 for name, value in suggestion.parameters.items()
             },
             standard_deviation=suggestion.standard_deviation,
         )
 
     def suggestion(self) -> Suggestion:
-        """The suggestion.
+        """Make the suggestion.
 
         Raises:
             MalformedMessage: If a unit is not the parameter's.

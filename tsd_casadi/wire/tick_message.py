@@ -50,10 +50,10 @@ def pack_tick(kind: int, layout: int, sequence: int, values: Vector, instance: i
 
     Args:
         kind: REQUEST or REPLY.
-        layout: Hash of the layouts.
-        sequence: Number of the tick.
+        layout: Hash of both layouts.
+        sequence: Counts the ticks of one client.
         values: float64 numbers in the layout's order.
-        instance: Id of the answering service.
+        instance: Of the answering service, 0 in a request.
 
     Returns:
         The bytes.
@@ -66,9 +66,8 @@ def unpack_tick(payload: bytes, kind: int, layout: int, size: int) -> TickMessag
     """Take a message apart, checking all but the numbers themselves.
 
     Args:
-        payload: The bytes.
         kind: REQUEST or REPLY.
-        layout: Hash of the layouts.
+        layout: Hash of both layouts.
         size: How many float64 are expected.
 
     Returns:

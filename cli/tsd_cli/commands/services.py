@@ -7,38 +7,57 @@ from typing import Annotated
 
 import typer
 
-from tsd_casadi.database.database import default_path
-from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.wire.endpoints import CONTROLLER, LEARNER
-from tsd_cli.commands.options import (
-    ROBOT,
-    ListenOption,
-    RobotOption,
-)
+from tsd_cli.option_groups import with_groups
+from tsd_cli.options.robot import RobotOptions
 
 
-def controller(robot: RobotOption = ROBOT, listen: ListenOption = [CONTROLLER]) -> None:  # noqa: B006
+def _listen(default: str) -> typer.models.OptionInfo:
+    option: typer.models.OptionInfo = typer.Option(
+        "--listen",
+        metavar="ENDPOINT",
+        help=f"Endpoint to listen on; repeat for more than one. Default: {default}.",
+    )
+    return option
+
+
+@with_groups
+def controller(
+    robot: RobotOptions,
+    listen: Annotated[list[str] | None, _listen(CONTROLLER)] = None,
+) -> None:
     """Serve a robot's controller: state and command in, torques out.
 
     Compiles the robot's QP at the first start (about 20 s) and keeps it. Ends
     on Ctrl-C or SIGTERM.
+
+      tsd controller
+      tsd controller --robot my_robot.yaml --listen tcp/127.0.0.1:7450
     """
-    from tsd_server.controller_service import ControllerService
+    from tsd_server.serve import serve_controller
 
-    ControllerService(load_robot(robot), listen).run()
+    serve_controller(robot.robot, listen or [CONTROLLER])
 
 
+@with_groups
 def learner(
     database: Annotated[
         Path | None,
-        typer.Option("--database", help="SQLite file. Default: in the user's data folder."),
+        typer.Option(
+            "--database",
+            metavar="FILE",
+            help="SQLite file, made if there is none. Default: in the user's data folder.",
+        ),
     ] = None,
-    listen: ListenOption = [LEARNER],  # noqa: B006
+    listen: Annotated[list[str] | None, _listen(LEARNER)] = None,
 ) -> None:
     """Serve the database of learned feedforward terms, for every robot.
 
     Ends on Ctrl-C or SIGTERM; what was recorded stays in the file.
-    """
-    from tsd_server.learner_service import LearnerService
 
-    LearnerService(database or default_path(), listen).run()
+      tsd learner
+      tsd learner --database squats.sqlite
+    """
+    from tsd_server.serve import serve_learner
+
+    serve_learner(database, listen or [LEARNER])

@@ -1,1 +1,1 @@
-"""Tables and progress bars for a terminal."""
+"""The terminal: tables that fit it, progress on stderr."""

@@ -13,11 +13,7 @@ console = Console(stderr=True)
 
 @contextmanager
 def show_activity(text: str) -> Iterator[None]:
-    """Show that something of unknown length is under way.
-
-    Args:
-        text: What is under way.
-    """
+    """Show that something of unknown length is under way."""
     if not console.is_terminal:
         console.print(f"{text} ...")
         yield
@@ -30,15 +26,14 @@ def show_activity(text: str) -> Iterator[None]:
 
 @contextmanager
 def show_progress(text: str, total: float) -> Iterator[Callable[[float, float], None]]:
-    """Show a bar.
-
-    Args:
-        text: What is under way.
-        total: Amount of work.
+    """Show a bar; nothing where stderr is no terminal.
 
     Yields:
         Function (done, total) that moves the bar.
     """
+    if not console.is_terminal:
+        yield lambda done, total: None
+        return
     columns = (TextColumn(text), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task(text, total=total)

@@ -13,8 +13,8 @@ import zenoh
 from tsd_casadi.exceptions import (
     LayoutMismatch,
     MalformedMessage,
-    ServiceError,
     ServiceUnreachable,
+    TsdError,
     TwoServices,
 )
 from tsd_casadi.state import State, Vector
@@ -54,7 +54,6 @@ class RemoteController:
         """Connect and ask what the service is.
 
         Args:
-            robot: Name of the robot.
             connect: Endpoints of the service.
 
         Raises:
@@ -84,6 +83,11 @@ class RemoteController:
             self.close()
             raise
 
+    def __repr__(self) -> str:
+        """Name robot, endpoints and the instance that is believed."""
+        at = ", ".join(self._session.endpoints)
+        return f"<RemoteController of {self._robot} at {at}: instance {self._instance}>"
+
     def __enter__(self) -> RemoteController:
         """Use as a context manager."""
         return self
@@ -97,7 +101,7 @@ class RemoteController:
         self._session.close()
 
     def info(self) -> InfoMessage:
-        """What the service is and how many ticks it has served.
+        """Ask what the service is and how many ticks it has served.
 
         Raises:
             TwoServices: If more than one answers.
@@ -112,14 +116,13 @@ class RemoteController:
         return next(iter(infos.values()))
 
     def command(self) -> Command:
-        """A new command that holds the home posture."""
+        """Make a new command, which holds the home posture."""
         return Command(self.format.request)
 
     def tick(self, state: State, command: Command) -> Tick:
         """Torque for one state and command.
 
         Args:
-            state: The robot's state.
             command: What to do; its request vector takes the state.
 
         Returns:
@@ -127,7 +130,7 @@ class RemoteController:
             keeps the command's ``limits.torque``, whoever answered.
 
         Raises:
-            ServiceError: If the service refused the numbers.
+            InvalidValue: If the service refused the numbers.
             ServiceUnreachable: If it did not answer for some seconds.
             TwoServices: If another service says that it is the controller.
             LayoutMismatch: If the service was restarted with another formulation.
@@ -150,14 +153,17 @@ class RemoteController:
         return Tick(self.format, reply)
 
     def _ask_once(self, payload: bytes) -> Vector | None:
-        """The reply of the instance that is believed; None if it has to be asked again."""
+        """Find the reply of the instance that is believed; None if it has to be asked again."""
         strangers: list[int] = []
-        refusal: ServiceError | None = None
+        refusal: TsdError | None = None
         try:
             for reply in self._querier.get(payload=payload):
                 try:
                     message = self._read(reply)
-                except ServiceError as error:
+                except ServiceUnreachable:
+                    refusal = None  # timed out: who refused need not be the controller
+                    continue
+                except TsdError as error:
                     refusal = error  # names no instance, so a torque goes before it
                     continue
                 if message is None or message.instance != self._instance:
@@ -165,8 +171,8 @@ class RemoteController:
                 elif message.sequence == self._sequence:
                     self._drop(strangers)
                     return message.values.copy()
-        except (ServiceUnreachable, zenoh.ZError):
-            refusal = None  # timed out, or closed without a reply
+        except zenoh.ZError:
+            refusal = None  # closed without a reply
         if refusal is not None:
             raise refusal
         if strangers and self._has_restarted():
@@ -175,7 +181,7 @@ class RemoteController:
         return None
 
     def _read(self, reply: Any) -> TickMessage | None:
-        """A reply's message; None if it is nothing that a controller of ours sends."""
+        """Read a reply's message; None if it is nothing that a controller of ours sends."""
         body = self._session.body_of(reply)
         try:
             message = unpack_tick(body, REPLY, self._layout, self.format.reply.size)

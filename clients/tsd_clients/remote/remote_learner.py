@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from tsd_casadi.generalization.suggestion import Region, Suggestion
 from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.learning.instruction import USUAL, Instruction
 from tsd_casadi.learning.recording import Recording
 from tsd_casadi.wire.endpoints import LEARNER
 from tsd_casadi.wire.feedforward import FeedforwardMessage
@@ -40,6 +41,10 @@ class RemoteLearner:
             self.close()
             raise
 
+    def __repr__(self) -> str:
+        """Name the endpoints."""
+        return f"<RemoteLearner at {', '.join(self._session.endpoints)}>"
+
     def __enter__(self) -> RemoteLearner:
         """Use as a context manager."""
         return self
@@ -54,34 +59,36 @@ class RemoteLearner:
 
     def query(
         self,
-        task: str,
+        motion: str,
+        /,
         *,
         robot: str,
         kind: str | None = None,
         extrapolate: bool = False,
         **parameters: float,
     ) -> Feedforward:
-        """The feedforward for some task parameters; see ``Database.query``.
+        """Ask for the feedforward for some parameters of a motion; see ``Database.query``.
 
         Raises:
-            ServiceError: If the learner has no answer; its code says why.
+            TsdError: What ``Database.query`` raises, ``EntryNotFound`` for instance.
         """
         return self.query_message(
-            task, robot=robot, kind=kind, extrapolate=extrapolate, **parameters
+            motion, robot=robot, kind=kind, extrapolate=extrapolate, **parameters
         ).feedforward()
 
     def query_message(
         self,
-        task: str,
+        motion: str,
+        /,
         *,
         robot: str,
         kind: str | None = None,
         extrapolate: bool = False,
         **parameters: float,
     ) -> FeedforwardMessage:
-        """The same as it comes over the network."""
+        """Ask for a feedforward as it comes over the network."""
         selector = {
-            "task": task,
+            "task": motion,
             **{name: repr(float(value)) for name, value in parameters.items()},
         }
         if kind is not None:
@@ -91,14 +98,16 @@ class RemoteLearner:
         body = self._session.query_one(feedforward_key(robot), parameters=selector)
         return FeedforwardMessage.decode(body)
 
-    def suggest(self, task: str, *, robot: str, region: Region, **parameters: float) -> Suggestion:
+    def suggest(
+        self, motion: str, /, *, robot: str, region: Region, **parameters: float
+    ) -> Suggestion:
         """Where to learn next; see ``Database.suggest``.
 
         Raises:
-            ServiceError: If the learner has no answer; its code says why.
+            TsdError: What ``Database.suggest`` raises.
         """
         selector = {
-            "task": task,
+            "task": motion,
             **{name: repr(float(value)) for name, value in parameters.items()},
         }
         for name, (low, high) in region.items():
@@ -106,22 +115,24 @@ class RemoteLearner:
         body = self._session.query_one(suggestion_key(robot), parameters=selector)
         return SuggestionMessage.decode(body).suggestion()
 
-    def record(self, recording: Recording) -> tuple[EntryMessage, list[str]]:
+    def record(
+        self, recording: Recording, instruction: Instruction = USUAL
+    ) -> tuple[EntryMessage, list[str]]:
         """Hand over one repetition; see ``Database.record``.
 
         Returns:
             The entry as it is now, and remarks for the user.
 
         Raises:
-            ServiceError: If the recording does not fit the entry.
+            TsdError: What ``Database.record`` raises.
         """
-        payload = RecordMessage.of(recording).encode()
+        payload = RecordMessage.of(recording, instruction).encode()
         body = self._session.query_one(record_key(recording.key.robot), payload=payload)
         reply = RecordReply.decode(body)
         return reply.entry, reply.notes
 
     def database(self) -> DatabaseReply:
-        """What is known, of every robot."""
+        """Ask what is known, of every robot."""
         body = self._session.query_one(database_key(ANY_ROBOT))
         return DatabaseReply.decode(body)
 
@@ -132,7 +143,7 @@ class RemoteLearner:
             entry: Its number.
 
         Raises:
-            ServiceError: If there is none of that number.
+            EntryNotFound: If there is none of that number.
         """
         body = self._session.query_one(database_key(ANY_ROBOT), parameters={"forget": str(entry)})
         return DatabaseReply.decode(body)

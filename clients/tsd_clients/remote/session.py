@@ -8,12 +8,7 @@ from typing import Any
 
 import zenoh
 
-from tsd_casadi.exceptions import (
-    MalformedMessage,
-    ServiceError,
-    ServiceUnreachable,
-    TwoServices,
-)
+from tsd_casadi.exceptions import MalformedMessage, ServiceUnreachable, TwoServices
 from tsd_casadi.wire.endpoints import check_endpoint, configure_runtime, session_settings
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import alive_key
@@ -36,7 +31,6 @@ class Session:
 
         Args:
             role: 'controller' or 'learner'.
-            endpoints: Where to look for it.
             low_latency: See ``session_settings``.
 
         Raises:
@@ -97,7 +91,6 @@ class Session:
         """Ask all services on a key.
 
         Args:
-            key: The key.
             parameters: Parameters of the selector.
             payload: Body of the query.
             timeout: How long to wait [s].
@@ -106,19 +99,28 @@ class Session:
             The bodies of all replies, at least one.
 
         Raises:
-            ServiceError: If a service replied with an error.
+            TsdError: What a service replied with, as the class that the library raises.
             ServiceUnreachable: If nobody answered in time.
         """
-        replies = self.zenoh.get(
-            zenoh.Selector(key, parameters or {}),
-            payload=payload,
-            target=zenoh.QueryTarget.ALL,
-            consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=timeout,
-        )
-        bodies = [self.body_of(reply) for reply in replies]
+        try:
+            replies = self.zenoh.get(
+                zenoh.Selector(key, parameters or {}),
+                payload=payload,
+                target=zenoh.QueryTarget.ALL,
+                consolidation=zenoh.ConsolidationMode.NONE,
+                timeout=timeout,
+            )
+        except zenoh.ZError as error:
+            raise ServiceUnreachable(self.role, self.endpoints, str(error)) from error
+        bodies = []
+        silence = ServiceUnreachable(self.role, self.endpoints, "no reply")
+        for reply in replies:
+            try:
+                bodies.append(self.body_of(reply))
+            except ServiceUnreachable as error:
+                silence = error  # of one of them: another may have answered
         if not bodies:
-            raise ServiceUnreachable(self.role, self.endpoints, "no reply")
+            raise silence
         return bodies
 
     def query_one(
@@ -127,7 +129,6 @@ class Session:
         """Ask the only service on a key.
 
         Args:
-            key: The key.
             parameters: Parameters of the selector.
             payload: Body of the query.
 
@@ -135,7 +136,7 @@ class Session:
             The body of its reply.
 
         Raises:
-            ServiceError: If it replied with an error.
+            TsdError: What it replied with, as the class that the library raises.
             ServiceUnreachable: If nobody answered in time.
             TwoServices: If more than one answered.
         """
@@ -148,10 +149,10 @@ class Session:
         return bodies[0]
 
     def body_of(self, reply: Any) -> bytes:
-        """The body of a reply.
+        """Take the body of a reply.
 
         Raises:
-            ServiceError: If it is an error of the service.
+            TsdError: If it is an error of the service, as the class that the library raises.
             ServiceUnreachable: If it is Zenoh's timeout.
         """
         if reply.ok is not None:
@@ -163,4 +164,4 @@ class Session:
             # Zenoh's own words, "Timeout" among them
             text = body.decode(errors="replace")
             raise ServiceUnreachable(self.role, self.endpoints, text) from None
-        raise ServiceError(error.code, error.message)
+        raise error.error()

@@ -18,35 +18,9 @@ import numpy as np
 import pinocchio
 from scipy.linalg.lapack import dposv
 
-from tsd_casadi.exceptions import InvalidValue, RobotFileError
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file import HardwareFile
+from tsd_casadi.robot.robot_file_sections import HardwareFile
 from tsd_casadi.state import State, Vector
-
-ACTUATOR_EFFECTS = ("armature", "friction", "delay", "lag")
-SENSOR_EFFECTS = ("quantisation", "noise", "differencing", "flat_feet")
-EFFECTS = (*ACTUATOR_EFFECTS, *SENSOR_EFFECTS)
-
-
-def check_effects(robot: Robot, effects: Collection[str]) -> tuple[str, ...]:
-    """Check the names of effects and put them in their usual order.
-
-    Args:
-        robot: The robot, whose file must have the numbers.
-        effects: Names from ``EFFECTS``, or 'all'.
-
-    Raises:
-        InvalidValue: If a name is unknown.
-        RobotFileError: If the robot file has no section 'hardware'.
-    """
-    unknown = [name for name in effects if name not in (*EFFECTS, "all")]
-    if unknown:
-        raise InvalidValue("hardware", ", ".join(unknown), f"all, or any of {', '.join(EFFECTS)}")
-    if effects and robot.description.hardware is None:
-        raise RobotFileError(
-            robot.path, "hardware", "is missing", "its section, or no hardware effects"
-        )
-    return tuple(name for name in EFFECTS if name in effects or "all" in effects)
 
 
 class Actuators:

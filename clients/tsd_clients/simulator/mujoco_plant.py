@@ -11,7 +11,8 @@ import numpy as np
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_clients.simulator.disturbances import Disturbance
-from tsd_clients.simulator.hardware import SENSOR_EFFECTS, Actuators, Encoders, FlatFeetEstimator
+from tsd_clients.simulator.effects import SENSOR_EFFECTS
+from tsd_clients.simulator.hardware import Actuators, Encoders, FlatFeetEstimator
 from tsd_clients.simulator.state_map import StateMap
 
 

@@ -19,7 +19,8 @@ from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_clients.simulator.disturbances import Disturbance
-from tsd_clients.simulator.hardware import add_to_model, check_effects
+from tsd_clients.simulator.effects import check_effects
+from tsd_clients.simulator.hardware import add_to_model
 from tsd_clients.simulator.model_error import ModelError
 from tsd_clients.simulator.mujoco_plant import MujocoPlant
 from tsd_clients.simulator.parity import check_parity
@@ -60,6 +61,8 @@ class MujocoSimulator(Plant):
             model_error: E of every link, greater than -1, or errors that differ.
             hardware: Effects that count, from ``tsd_clients.simulator.hardware.EFFECTS``,
                 or 'all'; none by default.
+            period: Control period [s].
+            disturbances: What pushes the robot.
 
         Raises:
             RobotFileError: If the scene cannot be used.
@@ -106,6 +109,15 @@ class MujocoSimulator(Plant):
         self._body: MujocoPlant | None = None
         self._truth: Truth | None = None
         self._ticks = 0
+
+    def __repr__(self) -> str:
+        """Name the robot and how the simulated one differs from it."""
+        error = self.model_error
+        effects = ", ".join(self.hardware) or "none"
+        return (
+            f"<MujocoSimulator of {self.robot.name}: model error {error.uniform:g}, by link "
+            f"{error.per_link:g}; hardware {effects}>"
+        )
 
     def with_disturbances(self, disturbances: Sequence[Disturbance]) -> MujocoSimulator:
         """The same simulated robot, pushed."""

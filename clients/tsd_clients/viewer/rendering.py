@@ -25,6 +25,8 @@ from tsd_casadi.state import Matrix
 Pictures = NDArray[np.uint8]
 
 LIBRARIES = ("egl", "osmesa")
+# MuJoCo's word for a process that renders nothing itself
+NO_LIBRARY = "disable"
 HINT = (
     "No picture of the robot: no GL library for offscreen rendering was found; "
     "'apt install libosmesa6' (or libegl1) provides one."
@@ -33,7 +35,7 @@ WIDTH, HEIGHT = 480, 640
 # how long rendering may take: its start, and each picture
 PATIENCE, PATIENCE_PER_PICTURE = 60.0, 2.0  # s
 SHADOW = 1024  # pixels
-COLOURS = 128  # of a GIF
+COLORS = 128  # of a GIF
 PALETTE_STEP = 8  # frames between two of those that the colours are chosen from
 
 
@@ -74,8 +76,8 @@ def render_postures(
     with tempfile.TemporaryDirectory(prefix="tsd-render-") as folder:
         given, target = Path(folder) / "postures.npy", Path(folder) / "frames.npy"
         np.save(given, np.asarray(postures, dtype=float))
-        for library in (os.environ.get("MUJOCO_GL"), *LIBRARIES):
-            if library and _render_apart(
+        for library in _libraries():
+            if _render_apart(
                 library,
                 [str(robot.path), str(given), str(target), str(width), str(height)],
                 PATIENCE + PATIENCE_PER_PICTURE * len(postures),
@@ -106,7 +108,7 @@ def animate(frames: Pictures, seconds: float) -> bytes:
     from PIL import Image
 
     # one palette for all frames: otherwise what is at rest would flicker
-    palette = Image.fromarray(side_by_side(frames[::PALETTE_STEP])).quantize(COLOURS)
+    palette = Image.fromarray(side_by_side(frames[::PALETTE_STEP])).quantize(COLORS)
     first, *others = (
         Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
         for frame in frames
@@ -117,6 +119,12 @@ def animate(frames: Pictures, seconds: float) -> bytes:
         buffer, "GIF", save_all=True, append_images=others, duration=duration, loop=0, optimize=True
     )
     return buffer.getvalue()
+
+
+def _libraries() -> tuple[str, ...]:
+    """List what to try: first what the user has chosen."""
+    chosen = os.environ.get("MUJOCO_GL")
+    return (chosen, *LIBRARIES) if chosen and chosen != NO_LIBRARY else LIBRARIES
 
 
 def _render_apart(library: str, arguments: list[str], patience: float) -> bool:

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Questions that the paper leaves open: one file or package each, named for the question."""

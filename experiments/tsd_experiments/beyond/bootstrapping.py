@@ -1,25 +1,17 @@
-"""A squat that fails from nothing, started from what an easier one learned."""
+"""The paper's proposal: a squat that fails from nothing starts from what an easier one learned."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from tsd_experiments.harness.case import Case
-from tsd_experiments.harness.experiment import (
-    Done,
-    Experiment,
-    Figure,
-    Section,
-    Table,
-    millimetres,
-)
-from tsd_experiments.harness.jobs import Job, Result
-from tsd_experiments.harness.work import learn
+from tsd_experiments.harness.case import SOFT, TALL, Case
+from tsd_experiments.harness.experiment import Done, Experiment
+from tsd_experiments.harness.job import Job, Result
+from tsd_experiments.harness.learn_case import learn_case
+from tsd_experiments.harness.section import Figure, Section, Table, millimeters
 from tsd_experiments.report.drawing import draw_lines
 
-TALL = 0.055  # m above home: knee at 1.0 rad
-SOFT = 0.2  # P = 10 where the robot's own is 50
 RULES = ("plain", "stable")
 ITERATIONS = 4
 QUICK_ITERATIONS = 1
@@ -77,7 +69,7 @@ class Bootstrapping(Experiment):
         return replace(case, frequency=0.5)
 
     def jobs(self, done: Done) -> list[Job]:
-        """The easier cases and those from nothing, then those started from the easier."""
+        """Learn the easier cases and from nothing, then start from the easier ones."""
         iterations = QUICK_ITERATIONS if self.quick else ITERATIONS
         jobs: dict[str, Job] = {}
         for error in self._errors:
@@ -98,7 +90,7 @@ class Bootstrapping(Experiment):
                         "iterations": iterations,
                         "first": first,
                     }
-                    jobs[name] = Job(name, learn, arguments, cost=3 * iterations)
+                    jobs[name] = Job(name, learn_case, arguments, cost=3 * iterations)
         return list(jobs.values())
 
     def _easier(self, error: float, start: Start) -> Job:
@@ -109,13 +101,13 @@ class Bootstrapping(Experiment):
             "iterations": EASIER_ITERATIONS,
         }
         name = f"bootstrapping-{error:g}-easier-{_slug(start.name)}"
-        return Job(name, learn, arguments, cost=8)
+        return Job(name, learn_case, arguments, cost=8)
 
     def _name(self, error: float, start: Start, rule: str) -> str:
         return f"bootstrapping-{error:g}-from-{_slug(start.name)}-{rule}"
 
     def report(self, done: Done) -> Section:
-        """Errors by iteration."""
+        """Report errors by iteration."""
         rows, lines, found = [], [], []
         for error in self._errors:
             reached = dict.fromkeys((start.name for start in self._starts), 0)
@@ -125,7 +117,7 @@ class Bootstrapping(Experiment):
                     result = done[self._name(error, start, rule)]
                     errors = result.errors()
                     label = f"{100 * error:g} %, from {start.name}, {rule}"
-                    cells = [millimetres(float(each)) for each in errors]
+                    cells = [millimeters(float(each)) for each in errors]
                     fell = _stopped(result)
                     reached[start.name] += not fell and bool(errors[-1] < REACHED)
                     falls[start.name] += fell

@@ -1,1 +1,1 @@
-"""TODO."""
+"""What a user would do instead of learning task accelerations, in the same runs."""

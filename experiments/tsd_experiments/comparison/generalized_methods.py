@@ -7,22 +7,14 @@ from dataclasses import replace
 
 from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.motions.motion import Motion
-from tsd_experiments.comparison.alternative_methods import learn_task, learn_torque
-from tsd_experiments.comparison.baselines.joint_torque_learning import (
-    LearnedTorque,
-    generalise_torques,
-    varied,
-)
+from tsd_experiments.comparison.baselines.generalize_torques import generalize_torques, varied
+from tsd_experiments.comparison.baselines.torque_feedforward import LearnedTorque
 from tsd_experiments.comparison.bench import Alternative, Bench
+from tsd_experiments.comparison.learn_plainly import learn_task, learn_torque
 
 
-def generalised_acceleration(benches: Sequence[Bench], asked: Motion) -> Alternative:
-    """Task accelerations for a motion that was never tried.
-
-    Args:
-        benches: Where it is learned, motions that differ in one parameter at least.
-        asked: The motion that was never tried.
-    """
+def generalized_acceleration(benches: Sequence[Bench], asked: Motion) -> Alternative:
+    """Generalise task accelerations to a motion that was never tried."""
     learned = [learn_task(bench) for bench in benches]
     names, inputs = varied([item.parameters for item in learned])
     weights = [item.weights for item in learned]
@@ -43,15 +35,10 @@ def generalised_acceleration(benches: Sequence[Bench], asked: Motion) -> Alterna
     )
 
 
-def generalised_torque(benches: Sequence[Bench], asked: Motion) -> Alternative:
-    """Joint torques for a motion that was never tried.
-
-    Args:
-        benches: Where it is learned, motions that differ in one parameter at least.
-        asked: The motion that was never tried.
-    """
+def generalized_torque(benches: Sequence[Bench], asked: Motion) -> Alternative:
+    """Generalise joint torques to a motion that was never tried."""
     learned = [learn_torque(bench) for bench in benches]
-    torques = generalise_torques(asked.name, learned, asked.parameters)
+    torques = generalize_torques(asked.name, learned, asked.parameters)
     return Alternative(
         benches[0].controller,
         compensators=[LearnedTorque(torques)],
@@ -60,7 +47,7 @@ def generalised_torque(benches: Sequence[Bench], asked: Motion) -> Alternative:
     )
 
 
-GENERALISED: dict[str, Callable[[Sequence[Bench], Motion], Alternative]] = {
-    "task acceleration": generalised_acceleration,
-    "joint torque": generalised_torque,
+GENERALIZED: dict[str, Callable[[Sequence[Bench], Motion], Alternative]] = {
+    "task acceleration": generalized_acceleration,
+    "joint torque": generalized_torque,
 }

@@ -1,281 +1,180 @@
-"""Learned task accelerations against what a user would do instead."""
+"""Methods that one would try against a wrong model, each prepared in the same way.
+
+What learns, does so from a number of repetitions of one squat; what is
+identified, from a single one.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+import math
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
 
-import numpy as np
-
-from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.repetition.repetition import HOLD
-from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot.robot import Robot
-from tsd_clients.simulator.disturbances import Push
-from tsd_experiments.comparison.alternative_methods import METHODS
-from tsd_experiments.comparison.alternatives import (
-    SCENARIOS,
-    compare_generalised,
-    describe,
-    drive,
-    prepare,
+from tsd_casadi.compilation.compile_controller import compile_controller
+from tsd_casadi.database.database import Database
+from tsd_casadi.identification.identified_robot import write_robot
+from tsd_casadi.identification.inertias import Identified, identify_inertias, identify_with_friction
+from tsd_casadi.identification.observations import Observations
+from tsd_casadi.identification.physical_consistency import PARAMETERS
+from tsd_casadi.repetition.compensator import Compensator
+from tsd_casadi.repetition.learn import learn
+from tsd_experiments.comparison.baselines.disturbance_observer import (
+    DisturbanceObserver,
+    usual_bandwidth,
 )
-from tsd_experiments.comparison.generalized_methods import GENERALISED
-from tsd_experiments.harness.case import Outcome
-from tsd_experiments.harness.experiment import (
-    Done,
-    Experiment,
-    Figure,
-    Section,
-    Table,
-    millimetres,
-)
-from tsd_experiments.harness.jobs import Job, Result
-from tsd_experiments.report.drawing import draw_lines
-
-IMPULSE = (0.0, 0.0, -10.0)  # N s
-PUSH_DURATION = 0.1  # s
-SEEN = 2.0  # s after the push
-RECOVERED = 1e-3  # m, as in the comparison of stiffness
-# what is compared: an identified controller computes the centre of mass with its
-# own inertias, and only the simulated robot's error means the same for all
-MEASURE = "true_ac_rms_error_m"
-TRANSFERS = ("none", "amplitude", "frequency", "posture")
-HEADINGS = ("as learned", "at 5 cm", "at the other frequency", "5.5 cm higher")
-QUICK_METHODS = ("none", "observer", "constant", "joint torque")
+from tsd_experiments.comparison.baselines.excitation import Excitation
+from tsd_experiments.comparison.baselines.friction_feedforward import FrictionFeedforward
+from tsd_experiments.comparison.baselines.integral_action import IntegralAction
+from tsd_experiments.comparison.baselines.motion_recorder import MotionRecorder, observe
+from tsd_experiments.comparison.baselines.torque_feedforward import LearnedTorque
+from tsd_experiments.comparison.bench import Alternative, Bench
+from tsd_experiments.comparison.learn_plainly import learn_task, learn_torque
 
 
-def compare(
-    robot: Robot, controller: WholeBodyController, method: str, scenario: str, transfers: list[str]
-) -> Outcome:
-    """Prepare one method, run it as learned and transferred, then push it.
-
-    Args:
-        robot: The robot.
-        controller: Its controller.
-        method: Key of ``METHODS``.
-        scenario: Key of ``SCENARIOS``.
-        transfers: What to measure; 'none' is the first.
-
-    Returns:
-        One row per transfer and one labelled 'push'; the deflection by the
-        push over time.
-    """
-    setting = SCENARIOS[scenario]
-    alternative, bench = prepare(robot, controller, method, setting)
-    outcome = Outcome()
-    calm: Run | None = None
-    for name in transfers:
-        run = drive(alternative, bench, setting, setting.transfers[name])
-        row = describe(run, alternative, setting)
-        outcome.rows.append({"label": name, "method": method, **row})
-        calm = calm or run
-    assert calm is not None  # the first transfer is the squat itself
-    # in the second lap, where the robot is lowest
-    start = HOLD + 1.25 / setting.squat.frequency
-    push = Push(start, PUSH_DURATION, IMPULSE)
-    pushed = drive(alternative, bench, setting, setting.squat, [push])
-    count = min(calm.ticks, pushed.ticks)
-    time = calm.log["time"][:count] - start
-    deflection = pushed.log["true_error"][:count] - calm.log["true_error"][:count]
-    peak = float(np.abs(deflection[time >= 0]).max(initial=0.0))
-    outcome.rows.append({"label": "push", "deflection_m": peak, "fell": pushed.fell})
-    window = (time >= -0.1) & (time < SEEN)
-    outcome.arrays["push/time"] = time[window]
-    outcome.arrays["push/deflection"] = deflection[window]
-    return outcome
+def nothing(bench: Bench) -> Alternative:
+    """Prepare feedback alone."""
+    return Alternative(bench.controller)
 
 
-def generalise(
-    robot: Robot, controller: WholeBodyController, method: str, scenario: str
-) -> Outcome:
-    """Learn at 2, 4, 6 and 8 cm, generalise to 5 cm.
-
-    Args:
-        robot: The robot.
-        controller: Its controller.
-        method: Key of ``GENERALISED``.
-        scenario: Key of ``SCENARIOS``.
-
-    Returns:
-        One row labelled 'generalised'.
-    """
-    row = compare_generalised(robot, controller, method, SCENARIOS[scenario])
-    return Outcome([{"label": "generalised", **row}])
+def integral(bench: Bench) -> Alternative:
+    """Prepare integral action with its usual gain."""
+    return Alternative(bench.controller, compensators=[IntegralAction()])
 
 
-class Methods(Experiment):
-    """Integral action, observer, constant, joint torques, identification."""
-
-    name = "methods"
-
-    def jobs(self, done: Done) -> list[Job]:
-        """One job per method and scenario."""
-        scenarios = ("stand-in",) if self.quick else tuple(SCENARIOS)
-        names = QUICK_METHODS if self.quick else tuple(METHODS)
-        transfers = TRANSFERS[:1] if self.quick else TRANSFERS
-        jobs = [
-            Job(
-                _name(scenario, method),
-                compare,
-                {"method": method, "scenario": scenario, "transfers": list(transfers)},
-                cost=(60 if "identified" in method else 25) + (5 if "learn" in method else 0),
-            )
-            for scenario in scenarios
-            for method in names
-        ]
-        if self.quick:
-            return jobs
-        return jobs + [
-            Job(
-                _name(scenario, f"{method}, generalised"),
-                generalise,
-                {"method": method, "scenario": scenario},
-                cost=60,
-            )
-            for scenario in scenarios
-            for method in GENERALISED
-        ]
-
-    def report(self, done: Done) -> Section:
-        """One table per scenario, and the deflections."""
-        scenarios = ("stand-in",) if self.quick else tuple(SCENARIOS)
-        section = Section(
-            title="What a user would do instead",
-            claim="The paper: learning joint torques might do the same but generalises poorly; "
-            "identification never describes a complex system completely.",
-        )
-        for scenario in scenarios:
-            results = {
-                job.arguments["method"]: done[job.name]
-                for job in self.jobs(done)
-                if job.arguments["scenario"] == scenario and job.function == compare
-            }
-            section.tables.append(self._table(done, scenario, results))
-            section.found.append(_winners(scenario, results))
-            if "task acceleration" in results:
-                section.found.append(self._torque_or_acceleration(done, scenario, results))
-            section.figures.append(
-                Figure(
-                    f"push_{scenario.replace('-', '_')}",
-                    f"{scenario}: deflection by a downward push of 10 N s, by method.",
-                    lambda results=results: _draw_push(results),  # type: ignore[misc]
-                )
-            )
-        section.found += [
-            "The observer's bandwidth, the regularisation of the identification and the defaults "
-            "of the learner were all chosen on these simulated robots. One seed each.",
-            "The observer is a PID in disguise, with gains P + g D, D + g and g P for a bandwidth "
-            "g: it tracks well everywhere without learning anything, and resists a push as "
-            "a stiff controller does; that is what feedforward avoids.",
-        ]
-        return section
-
-    def _torque_or_acceleration(self, done: Done, scenario: str, results: dict[str, Result]) -> str:
-        """Whether joint torques generalise worse, as the paper expects."""
-        pairs = {
-            heading: [results[method].row(label)[MEASURE] for method in GENERALISED]
-            for label, heading in zip(TRANSFERS, HEADINGS, strict=True)
-        }
-        names = [_name(scenario, f"{method}, generalised") for method in GENERALISED]
-        pairs["generalised to 5 cm"] = [done[name].row("generalised")[MEASURE] for name in names]
-        pairs = {heading: pair for heading, pair in pairs.items() if None not in pair}
-        told = ", ".join(
-            f"{heading} {torque / acceleration:.2g}"
-            for heading, (acceleration, torque) in pairs.items()
-        )
-        worse = sum(torque > 1.1 * acceleration for acceleration, torque in pairs.values())
-        return (
-            f"{scenario}, error with learned joint torques by error with task accelerations of the "
-            f"same plain sum: {told}. The paper's expectation that joint torques generalise "
-            f"poorly shows in {worse} of {len(pairs)}."
-        )
-
-    def _table(self, done: Done, scenario: str, results: dict[str, Result]) -> Table:
-        transfers = TRANSFERS[:1] if self.quick else TRANSFERS
-        rows = []
-        for method, result in results.items():
-            own, push = result.row("none"), result.row("push")
-            name = _name(scenario, f"{method}, generalised")
-            generalised = (
-                millimetres(done[name].row("generalised")[MEASURE]) if name in done else "–"
-            )
-            rows.append(
-                [
-                    method,
-                    str(own["numbers_learned"]),
-                    millimetres(own["rms_error_m"]),
-                    millimetres(own["true_rms_error_m"]),
-                    *(_ac(result, transfer) for transfer in transfers),
-                    generalised,
-                    millimetres(push["deflection_m"], 2),
-                    _recovery(result),
-                ]
-            )
-        return Table(
-            f"{scenario}: errors of the centre of mass [mm]; where nothing else is said the true "
-            "error without its mean (AC); * where the run never became steady; recovered: below "
-            f"{1e3 * RECOVERED:g} mm for good",
-            [
-                "method",
-                "numbers learned",
-                "RMS as the controller sees it",
-                "true RMS",
-                *HEADINGS[: len(transfers)],
-                "generalised to 5 cm",
-                "deflection by 10 N s",
-                "recovered after [s]",
-            ],
-            rows,
-        )
+def stiff_integral(bench: Bench) -> Alternative:
+    """Prepare integral action at half of the Routh limit."""
+    Ki = math.prod(_gains(bench)) / 2
+    return Alternative(bench.controller, compensators=[IntegralAction(Ki)])
 
 
-def _winners(scenario: str, results: dict[str, Result]) -> str:
-    def best(label: str) -> str:
-        measured = {
-            method: result.row(label)[MEASURE]
-            for method, result in results.items()
-            if any(row["label"] == label for row in result.rows)
-            and result.row(label)[MEASURE] is not None
-        }
-        winner = min(measured, key=lambda method: measured[method])
-        return f"{winner} ({1e3 * measured[winner]:.3f} mm)"
+def observer(bench: Bench) -> Alternative:
+    """Prepare a disturbance observer with its usual bandwidth."""
+    return Alternative(bench.controller, compensators=[DisturbanceObserver()])
 
-    labels = [row["label"] for row in next(iter(results.values())).rows if row["label"] != "push"]
-    parts = [f"{HEADINGS[TRANSFERS.index(label)]} {best(label)}" for label in labels]
-    softest = max(results, key=lambda method: results[method].row("push")["deflection_m"])
-    deflection = results[softest].row("push")["deflection_m"]
-    return (
-        f"{scenario}, smallest true AC error: {', '.join(parts)}. Gives way most to a push: "
-        f"{softest} ({1e3 * deflection:.1f} mm)."
+
+def fast_observer(bench: Bench) -> Alternative:
+    """Prepare a disturbance observer as fast as the lags allow with some margin."""
+    _, D = _gains(bench)
+    bandwidth = usual_bandwidth(bench.robot, D, crossover=1.0)
+    return Alternative(bench.controller, compensators=[DisturbanceObserver(bandwidth)])
+
+
+def constant(bench: Bench) -> Alternative:
+    """Prepare only the mean of learned task accelerations."""
+    learned = learn_task(bench)
+    return Alternative(
+        bench.controller, learned.constant(), numbers_learned=1, repetitions=bench.iterations
     )
 
 
-def _recovery(result: Result) -> str:
-    """Until the deflection stays small."""
-    if result.row("push").get("fell"):
-        return "fell"
-    time, deflection = result.arrays["push/time"], result.arrays["push/deflection"]
-    away = np.flatnonzero(np.abs(deflection) > RECOVERED)
-    if not away.size:
-        return "0.00"
-    return f"{time[away[-1]]:.2f}" if away[-1] < len(time) - 1 else f"not within {SEEN:g}"
+def task_acceleration(bench: Bench) -> Alternative:
+    """Prepare task accelerations, learned by the paper's rule."""
+    learned = learn_task(bench)
+    return Alternative(
+        bench.controller,
+        learned,
+        numbers_learned=learned.weights.size,
+        repetitions=bench.iterations,
+    )
 
 
-def _ac(result: Result, transfer: str) -> str:
-    row: dict[str, Any] = result.row(transfer)
-    if row["fell"]:
-        return "fell"
-    return millimetres(row[MEASURE]) + ("" if row["steady"] else " *")
+def stable_task_acceleration(bench: Bench) -> Alternative:
+    """Prepare task accelerations, learned by the stable rule."""
+    with tempfile.TemporaryDirectory() as folder, Database(Path(folder) / "learned") as database:
+        learn(
+            bench.simulator,
+            bench.controller,
+            [bench.motion],
+            database,
+            iterations=bench.iterations,
+            rule="stable",
+            gains=bench.gains,
+            seed=bench.seed,
+        )
+        learned = database.entries()[0].feedforward()
+    return Alternative(
+        bench.controller,
+        learned,
+        numbers_learned=learned.weights.size,
+        repetitions=bench.iterations,
+    )
 
 
-def _name(scenario: str, method: str) -> str:
-    plain = method.replace(", ", "-").replace(" / ", "-").replace(" ", "_")
-    return f"methods-{scenario}-{plain}"
+def joint_torque(bench: Bench) -> Alternative:
+    """Prepare joint torques, learned by the plain sum."""
+    learned = learn_torque(bench)
+    return Alternative(
+        bench.controller,
+        compensators=[LearnedTorque(learned)],
+        numbers_learned=learned.weights.size,
+        repetitions=bench.iterations,
+    )
 
 
-def _draw_push(results: dict[str, Result]) -> Any:
-    lines = [
-        (method, result.arrays["push/time"][::20], 1e3 * result.arrays["push/deflection"][::20])
-        for method, result in results.items()
-    ]
-    return draw_lines(lines, "time after the push [s]", "deflection [mm]", logy=False)
+def identified(bench: Bench) -> Alternative:
+    """Prepare a controller compiled from inertias identified in one repetition."""
+    return _recompiled(bench, identify_inertias(bench.robot, _observed(bench)))
+
+
+def identified_with_friction(bench: Bench) -> Alternative:
+    """Prepare an identified controller with joint friction, compensated by feedforward."""
+    found = identify_with_friction(bench.robot, _observed(bench))
+    return _recompiled(bench, found, FrictionFeedforward(found.friction))
+
+
+def identified_with_excitation(bench: Bench) -> Alternative:
+    """Prepare an identified controller with friction, from a repetition that sways on purpose."""
+    observed = _observed(bench, Excitation())
+    found = identify_with_friction(bench.robot, observed)
+    return _recompiled(bench, found, FrictionFeedforward(found.friction))
+
+
+METHODS: dict[str, Callable[[Bench], Alternative]] = {
+    "none": nothing,
+    "integral": integral,
+    "integral, Routh / 2": stiff_integral,
+    "observer": observer,
+    "observer, fast": fast_observer,
+    "constant": constant,
+    "task acceleration": task_acceleration,
+    "task acceleration, stable": stable_task_acceleration,
+    "joint torque": joint_torque,
+    "identified": identified,
+    "identified, friction": identified_with_friction,
+    "identified, friction, excited": identified_with_excitation,
+}
+
+
+def _gains(bench: Bench) -> tuple[float, float]:
+    """Compute P and D of the learned axis."""
+    task, axis = bench.axis.split(".")
+    component = bench.controller.format.component_index(task, axis)
+    command, factors = bench.controller.command(), bench.gains
+    P, D = (float(command[f"{task}.{gain}"][component]) for gain in "PD")
+    return P * factors.P, D * factors.D
+
+
+def _observed(bench: Bench, *others: Compensator) -> Observations:
+    recorder = MotionRecorder()
+    run = bench.simulator.run(
+        bench.controller,
+        bench.motion,
+        gains=bench.gains,
+        compensators=[*others, recorder],
+        seed=bench.seed,
+    )
+    return observe(run, recorder)
+
+
+def _recompiled(bench: Bench, found: Identified, *compensators: Compensator) -> Alternative:
+    with tempfile.TemporaryDirectory() as folder:
+        robot = write_robot(bench.robot, found.inertias, Path(folder))
+        controller = compile_controller(robot, on_compile=lambda: None)
+    friction = 2 * bench.robot.n if compensators else 0
+    return Alternative(
+        controller,
+        compensators=compensators,
+        numbers_learned=PARAMETERS * len(found.inertias) + friction,
+        repetitions=1,
+    )

@@ -11,7 +11,7 @@ Span = tuple[float, float]
 
 
 def time_taken(spans: Iterable[Span]) -> float:
-    """Time in which at least one job was under way, short pauses included.
+    """Compute how long at least one job was under way, short pauses included.
 
     Jobs that ran side by side count once, and what lies between an interrupted
     run and the one that went on from there does not count.

@@ -1,105 +1,14 @@
-"""What every experiment offers, and what it leaves for the report."""
+"""What every experiment offers: the jobs it is made of, and what it reports of them."""
 
 from __future__ import annotations
 
 import abc
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Mapping
 
-from tsd_experiments.harness.jobs import Job, Result
+from tsd_experiments.harness.job import Job, Result
+from tsd_experiments.harness.section import Section
 
 Done = Mapping[str, Result]
-
-
-@dataclass(frozen=True)
-class Goal:
-    """One row of the summary.
-
-    Attributes:
-        identifier: What is compared.
-        goal: Relation and bound, '>= 25' or '90 .. 99'.
-        measured: The number; None if the run does not cover it.
-    """
-
-    identifier: str
-    goal: str
-    measured: float | None
-
-    @property
-    def met(self) -> bool | None:
-        """Whether the goal is reached; None if it was not measured."""
-        if self.measured is None:
-            return None
-        if ".." in self.goal:
-            low, high = (float(part) for part in self.goal.split(".."))
-            return low <= self.measured <= high
-        relation, bound = self.goal.split()
-        return {
-            ">=": self.measured >= float(bound),
-            "<=": self.measured <= float(bound),
-        }[relation]
-
-    def plain(self) -> dict[str, Any]:
-        """Plain data for JSON."""
-        return {
-            "id": self.identifier,
-            "goal": self.goal,
-            "measured": self.measured,
-            "met": self.met,
-        }
-
-
-@dataclass(frozen=True)
-class Table:
-    """A table of the report.
-
-    Attributes:
-        caption: What it shows, with units.
-        head: Column headings.
-        rows: Cells as text.
-    """
-
-    caption: str
-    head: Sequence[str]
-    rows: Sequence[Sequence[str]]
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A figure of the report, drawn when it is needed.
-
-    Attributes:
-        name: Name of its files.
-        caption: What it shows.
-        draw: Gives a matplotlib figure.
-    """
-
-    name: str
-    caption: str
-    draw: Callable[[], Any]
-
-
-@dataclass
-class Section:
-    """An experiment's part of the report.
-
-    Attributes:
-        title: Heading.
-        claim: What the paper says, in our words, or what is asked here; it begins
-            with whose it is.
-        found: What was measured, sentences.
-        tables: Tables.
-        figures: Figures.
-        goals: Rows of the summary.
-    """
-
-    title: str
-    claim: str
-    found: list[str] = field(default_factory=list)
-    tables: list[Table] = field(default_factory=list)
-    figures: list[Figure] = field(default_factory=list)
-    goals: list[Goal] = field(default_factory=list)
 
 
 class Experiment(abc.ABC):
@@ -114,16 +23,12 @@ class Experiment(abc.ABC):
     figures: tuple[int, ...] = ()
 
     def __init__(self, quick: bool) -> None:
-        """Choose the size.
-
-        Args:
-            quick: Take the short form.
-        """
+        """Choose the short form or the full one."""
         self.quick = quick
 
     @abc.abstractmethod
     def jobs(self, done: Done) -> list[Job]:
-        """All jobs that can be named with the results so far.
+        """Name all jobs that can be named with the results so far.
 
         Args:
             done: Finished jobs of this and other experiments by name.
@@ -131,18 +36,4 @@ class Experiment(abc.ABC):
 
     @abc.abstractmethod
     def report(self, done: Done) -> Section:
-        """The experiment's part of the report.
-
-        Args:
-            done: Finished jobs by name.
-        """
-
-
-def millimetres(value: float | None, digits: int = 3) -> str:
-    """A length in millimetres for a table.
-
-    Args:
-        value: [m].
-        digits: After the point.
-    """
-    return "–" if value is None else f"{1e3 * value:.{digits}f}"
+        """Write the experiment's part of the report."""

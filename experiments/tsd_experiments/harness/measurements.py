@@ -21,10 +21,6 @@ def write_measurements(done: Done, folder: Path) -> None:
     ``runs.csv`` has a line per run and a column per measure, units at the end of
     the names; what a run has not is empty. ``weights.csv`` has the weights of the
     learned axis [m/s^2], in the order of the basis' centres.
-
-    Args:
-        done: Finished jobs by name.
-        folder: Where to.
     """
     runs = list(_runs(done))
     columns = dict.fromkeys(name for run in runs for name in run)

@@ -15,10 +15,7 @@ from tsd_server.service_process import ServiceProcess, free_endpoint
 
 @contextmanager
 def start_services(robot: Robot) -> Iterator[tuple[RemoteController, RemoteLearner]]:
-    """Both services on free ports with a fresh database, stopped whatever happens.
-
-    Args:
-        robot: The robot to control.
+    """Start both services on free ports with a fresh database, to be stopped in any case.
 
     Yields:
         Clients of the two.

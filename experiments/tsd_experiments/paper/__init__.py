@@ -1,1 +1,1 @@
-"""TODO."""
+"""The paper's figures with measured data, one file each, and its claim about model errors."""

@@ -1,4 +1,4 @@
-"""Where learning works and where it fails: errors, gains and postures."""
+"""The paper's claim about 20 %: where learning works and fails, by error, gain and posture."""
 
 from __future__ import annotations
 
@@ -10,16 +10,10 @@ import numpy as np
 
 from tsd_casadi.repetition.repetition import FALL_HEIGHT
 from tsd_experiments.harness.case import Case
-from tsd_experiments.harness.experiment import (
-    Done,
-    Experiment,
-    Figure,
-    Section,
-    Table,
-    millimetres,
-)
-from tsd_experiments.harness.jobs import Job, Result
-from tsd_experiments.harness.work import learn
+from tsd_experiments.harness.experiment import Done, Experiment
+from tsd_experiments.harness.job import Job, Result
+from tsd_experiments.harness.learn_case import learn_case
+from tsd_experiments.harness.section import Figure, Section, Table, millimeters
 from tsd_experiments.report.drawing import draw_lines
 
 STIFFNESS = {10: 0.2, 20: 0.4, 50: 1.0, 100: 2.0, 200: 4.0, 400: 8.0}
@@ -56,7 +50,7 @@ class _Point:
             changed = replace(changed, model_error=0.0, link_error=self.error, link_seed=self.seed)
         plain = changed.at_stiffness(STIFFNESS[self.P]).plain()
         arguments = {"case": plain, "rule": "plain", "iterations": ITERATIONS}
-        return Job(self.name, learn, arguments, cost=5)
+        return Job(self.name, learn_case, arguments, cost=5)
 
 
 class ModelErrors(Experiment):
@@ -67,7 +61,7 @@ class ModelErrors(Experiment):
     case = Case(laps=2, frequency=0.5)
 
     def jobs(self, done: Done) -> list[Job]:
-        """One job per cell; some cells are in two tables."""
+        """Learn once per cell; some cells are in two tables."""
         points = (*self._uniform(), *self._listed(), *self._swept())
         return [point.job(self.case) for point in dict.fromkeys(points)]
 
@@ -85,12 +79,12 @@ class ModelErrors(Experiment):
         ]
 
     def _listed(self) -> list[_Point]:
-        """Random signs whose runs are listed one by one."""
+        """List the random signs whose runs are listed one by one."""
         errors, seeds = (PER_LINK[:1], SEEDS[:2]) if self.quick else (PER_LINK, SEEDS)
         return [_Point("home", error, OWN, seed) for error in errors for seed in seeds]
 
     def _swept(self) -> list[_Point]:
-        """Random signs from soft to stiff in both postures; nothing in the short form."""
+        """List random signs from soft to stiff in both postures, none in the short form."""
         return [
             _Point(posture, SWEPT, P, seed)
             for posture in POSTURES
@@ -100,7 +94,7 @@ class ModelErrors(Experiment):
         ]
 
     def report(self, done: Done) -> Section:
-        """Tables by posture, and one of random signs with true and estimated errors."""
+        """Report a table by posture, and one of random signs with true and estimated errors."""
         points = self._uniform()
         gains = self._gains
         failures = [point for point in points if _outcome(done[point.name]) != "learns"]
@@ -153,7 +147,7 @@ class ModelErrors(Experiment):
         )
 
     def _claim_sentence(self, failures: Sequence[_Point]) -> str:
-        """What came of the paper's 20 %."""
+        """Tell what came of the paper's 20 %."""
         at_20 = [point for point in failures if abs(point.error) == 0.2]
         gains = sorted({point.P for point in failures})
         found = (
@@ -223,7 +217,7 @@ class ModelErrors(Experiment):
                         f"{posture}, P = {P}",
                         f"{len(learned)} of {len(results)}" + (f" ({others})" if others else ""),
                         *(
-                            millimetres(float(np.median([r.errors(name)[i] for r in learned])))
+                            millimeters(float(np.median([r.errors(name)[i] for r in learned])))
                             if learned
                             else "–"
                             for name in ("rms_error_m", "true_rms_error_m")
@@ -246,8 +240,8 @@ class ModelErrors(Experiment):
             rows.append(
                 [
                     f"{100 * point.error:g} %, {point.seed}",
-                    *(millimetres(error) for error in (estimated[0], estimated[-1])),
-                    *(millimetres(error) for error in (true[0], true[-1])),
+                    *(millimeters(error) for error in (estimated[0], estimated[-1])),
+                    *(millimeters(error) for error in (true[0], true[-1])),
                     _outcome(result),
                 ]
             )

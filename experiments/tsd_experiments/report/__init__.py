@@ -1,1 +1,1 @@
-"""TODO."""
+"""Figures in the paper's layout, and the report as HTML and Markdown."""

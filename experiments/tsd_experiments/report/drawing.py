@@ -1,4 +1,4 @@
-"""Figures in the paper's layout, from stored traces."""
+"""Figures in the paper's layout, from the signals of runs."""
 
 from __future__ import annotations
 
@@ -9,53 +9,32 @@ import matplotlib
 import numpy as np
 
 from tsd_casadi.state import Vector
-from tsd_experiments.harness.jobs import Result
-from tsd_experiments.report.figures import STYLES
+from tsd_experiments.report.curve import STYLES, Curve
 
 matplotlib.use("Agg")
 
 from matplotlib import pyplot as plt
 
-# label of the legend, result, label of the run, style
-Curve = tuple[str, Result, str, str]
 MOST_MARKERS = 50
-COLOURS = ("#3b6fb6", "#c8352b", "#d99a1c", "#2f7d4f", "#6b3fa0", "#777777", "#20a0b0", "#a05030")
-
-
-def trace(result: Result, label: str, name: str) -> Any:
-    """One stored trace of a run.
-
-    Args:
-        result: The job's result.
-        label: Of the run.
-        name: One of ``case.TRACES``.
-
-    Returns:
-        (N,), a sample every ``case.TRACE_STEP`` ticks.
-    """
-    return result.arrays[f"{label}/{name}"]
+COLORS = ("#3b6fb6", "#c8352b", "#d99a1c", "#2f7d4f", "#6b3fa0", "#777777", "#20a0b0", "#a05030")
 
 
 def draw_tracking(curves: Sequence[Curve], title: str) -> Any:
-    """Position, error, and the error close up (cog_err and gen_cog_err of the paper).
+    """Draw position, error, and the error close up (cog_err and gen_cog_err of the paper).
 
     Args:
         curves: The first one is left out of the close view.
-        title: Heading.
     """
     figure, (top, middle, bottom) = plt.subplots(3, 1, figsize=(8, 7), sharex=True)
-    bound = 0.0
-    for index, (legend, result, label, style) in enumerate(curves):
-        time, error = trace(result, label, "time"), trace(result, label, "error")
-        top.plot(time, trace(result, label, "reference") - error, label=legend, **STYLES[style])
+    for curve in curves:
+        style, signals = STYLES[curve.style], curve.signals
+        time, error = signals["time"], signals["error"]
+        top.plot(time, signals["reference"] - error, label=curve.legend, **style)
         for axes in (middle, bottom):
-            axes.plot(time, 1e3 * error, **STYLES[style])
-        if index:
-            bound = max(bound, 1e3 * result.row(label)["peak_error_m"])
-    _, result, label, _ = curves[0]
-    time = trace(result, label, "time")
-    top.plot(time, trace(result, label, "reference"), label="reference", **STYLES["reference"])
-    start = float(time[np.argmax(trace(result, label, "lap") >= 0)])
+            axes.plot(time, 1e3 * error, **style)
+    first = curves[0].signals
+    top.plot(first["time"], first["reference"], label="reference", **STYLES["reference"])
+    start = float(first["time"][np.argmax(first["lap"] >= 0)])
     for axes in (top, middle, bottom):
         axes.axvline(start, color="black", linestyle=":", linewidth=1)
         axes.grid(alpha=0.3)
@@ -64,12 +43,13 @@ def draw_tracking(curves: Sequence[Curve], title: str) -> Any:
     top.legend(loc="upper center", fontsize=8, ncols=4)
     top.set(ylabel="CoM z [m]", title=title)
     middle.set_ylabel("error [mm]")
-    bottom.set(ylabel="error, close [mm]", ylim=(-2 * bound, 2 * bound), xlabel="time [s]")
+    bound = 2e3 * max(curve.peak_error or 0.0 for curve in curves[1:])
+    bottom.set(ylabel="error, close [mm]", ylim=(-bound, bound), xlabel="time [s]")
     return finish(figure)
 
 
 def draw_errors(panels: Sequence[tuple[str, Sequence[Curve]]], shared: bool = True) -> Any:
-    """Errors over time, one panel below the other (realcog_err of the paper).
+    """Draw errors over time, one panel below the other (realcog_err of the paper).
 
     Args:
         panels: Heading and curves of each.
@@ -79,13 +59,9 @@ def draw_errors(panels: Sequence[tuple[str, Sequence[Curve]]], shared: bool = Tr
         len(panels), 1, figsize=(8, 2.6 * len(panels)), sharex=shared, squeeze=False
     )
     for panel, (title, curves) in zip(axes[:, 0], panels, strict=True):
-        for legend, result, label, style in curves:
-            panel.plot(
-                trace(result, label, "time"),
-                1e3 * trace(result, label, "error"),
-                label=legend,
-                **STYLES[style],
-            )
+        for curve in curves:
+            time, error = curve.signals["time"], curve.signals["error"]
+            panel.plot(time, 1e3 * error, label=curve.legend, **STYLES[curve.style])
         panel.set(title=title, ylabel="error [mm]")
         panel.legend(fontsize=8, ncols=3)
         panel.grid(alpha=0.3)
@@ -93,26 +69,19 @@ def draw_errors(panels: Sequence[tuple[str, Sequence[Curve]]], shared: bool = Tr
     return finish(figure)
 
 
-def draw_feedback(curves: Sequence[Curve], encoded: tuple[Result, str]) -> Any:
-    """The feedback term and the encoded feedforward over it (RBS_error of the paper).
+def draw_feedback(curves: Sequence[Curve], encoded: Curve) -> Any:
+    """Draw feedback and, over it, the encoded feedforward (RBS_error of the paper).
 
     Args:
-        curves: Runs.
-        encoded: Result and label of the run whose feedforward is drawn.
+        encoded: The run whose feedforward is drawn.
     """
     figure, axes = plt.subplots(figsize=(8, 3.5))
-    for legend, result, label, style in curves:
-        axes.plot(
-            trace(result, label, "time"),
-            trace(result, label, "feedback"),
-            label=legend,
-            **STYLES[style],
-        )
-    result, label = encoded
-    feedforward = trace(result, label, "feedforward")
-    axes.plot(
-        trace(result, label, "time"), feedforward, label="encoded feedforward", **STYLES["encoded"]
-    )
+    for curve in curves:
+        time, feedback = curve.signals["time"], curve.signals["feedback"]
+        axes.plot(time, feedback, label=curve.legend, **STYLES[curve.style])
+    time, feedforward = encoded.signals["time"], encoded.signals["feedforward"]
+    axes.plot(time, feedforward, label="encoded feedforward", **STYLES["encoded"])
+    # the first moments of a run, from rest, would dwarf the rest
     bound = 1.6 * float(np.max(np.abs(feedforward)))
     axes.set(xlabel="time [s]", ylabel="feedback [m/s²]", ylim=(-bound, bound / 2))
     axes.grid(alpha=0.3)
@@ -127,24 +96,20 @@ def draw_lines(
     *,
     logx: bool = False,
     logy: bool = True,
-    turn: int = len(COLOURS),
+    turn: int = len(COLORS),
 ) -> Any:
-    """Lines, with markers where there is room for them.
+    """Draw lines, with markers where there is room for them.
 
     Args:
         lines: Legend, x and y of each.
-        xlabel: Of the x axis.
-        ylabel: Of the y axis.
-        logx: Logarithmic x axis.
-        logy: Logarithmic y axis.
         turn: After so many lines the colours begin again, dashed.
     """
     figure, axes = plt.subplots(figsize=(8, 4))
     for index, (legend, x, y) in enumerate(lines):
-        colour = COLOURS[index % turn]
+        color = COLORS[index % turn]
         style = "-" if index < turn else "--"
         marker = "o" if len(x) <= MOST_MARKERS else ""
-        axes.plot(x, y, marker=marker, linestyle=style, color=colour, label=legend, markersize=4)
+        axes.plot(x, y, marker=marker, linestyle=style, color=color, label=legend, markersize=4)
     axes.set(xlabel=xlabel, ylabel=ylabel)
     if logx:
         axes.set_xscale("log")
@@ -158,13 +123,11 @@ def draw_lines(
 def draw_bands(
     x: Vector, bands: Sequence[tuple[str, Vector, Vector, Vector]], xlabel: str, ylabel: str
 ) -> Any:
-    """Predictions and what came out; below, how far off they are in two standard deviations.
+    """Draw predictions and what came out; below, the difference and two standard deviations.
 
     Args:
         x: The x axis, (N,).
         bands: Legend, mean, standard deviation and outcome of each, (N,).
-        xlabel: Of the x axis.
-        ylabel: Of the y axis.
     """
     figure, panels = plt.subplots(
         1 + len(bands),
@@ -174,11 +137,11 @@ def draw_bands(
         height_ratios=[2.4, *(1.0 for _ in bands)],
     )
     top, *below = panels
-    for axes, colour, (legend, mean, std, outcome) in zip(below, COLOURS, bands, strict=False):
-        top.plot(x, mean, color=colour, label=legend)
-        top.plot(x, outcome, "--", color=colour)
-        axes.fill_between(x, -2 * std, 2 * std, color=colour, alpha=0.25)
-        axes.plot(x, outcome - mean, "--", color=colour)
+    for axes, color, (legend, mean, std, outcome) in zip(below, COLORS, bands, strict=False):
+        top.plot(x, mean, color=color, label=legend)
+        top.plot(x, outcome, "--", color=color)
+        axes.fill_between(x, -2 * std, 2 * std, color=color, alpha=0.25)
+        axes.plot(x, outcome - mean, "--", color=color)
         axes.set_ylabel("off by\n[m/s²]")
     for axes in panels:
         axes.grid(alpha=0.3)
@@ -189,6 +152,6 @@ def draw_bands(
 
 
 def finish(figure: Any) -> Any:
-    """The figure with its margins set."""
+    """Set the margins of a figure."""
     figure.tight_layout()
     return figure

@@ -1,1 +1,1 @@
-"""TODO."""
+"""The alternatives themselves: integral action, observer, joint torques, identification."""

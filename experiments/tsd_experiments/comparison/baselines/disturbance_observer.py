@@ -31,7 +31,7 @@ LIMIT = 5.0  # m/s^2, half of gravity
 
 
 def usual_bandwidth(robot: Robot, D: float, crossover: float = 0.5) -> float:
-    """The bandwidth that puts the loop's crossover at a share of 1 / T.
+    """Choose the bandwidth that puts the loop's crossover at a share of 1 / T.
 
     At P = 50, D = 2 sqrt(P) and T = 13 ms, half of it leaves a phase margin of
     47 degrees and a gain margin of 5.7, all of it 32 degrees and 2.8.

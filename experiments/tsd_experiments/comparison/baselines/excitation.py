@@ -20,7 +20,7 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
-from tsd_casadi.robot.robot_file import FRAME_AXES
+from tsd_casadi.robot.robot_file_sections import FRAME_AXES
 from tsd_casadi.state import Vector
 
 ANGLE = 0.08  # A_w [rad]
@@ -70,6 +70,6 @@ class Excitation(Compensator):
 
 
 def _bounded(amplitude: float, fastest: float, omega: Vector) -> Vector:
-    """Amplitudes of sines whose second derivatives stay below a bound."""
+    """Choose amplitudes of sines whose second derivatives stay below a bound."""
     squared = np.maximum(omega**2, fastest / amplitude)
     return np.asarray(fastest / squared)

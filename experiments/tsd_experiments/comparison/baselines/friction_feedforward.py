@@ -1,13 +1,13 @@
-"""Feedforward of joint friction."""
+"""Joint friction, identified, as a feedforward of torques."""
 
 from __future__ import annotations
 
 import numpy as np
 import pinocchio
 
-from tsd_casadi.identification.inertias import Friction
+from tsd_casadi.identification.observations import Friction
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
-from tsd_casadi.robot.robot_file import FRAME_AXES, ComTaskFile
+from tsd_casadi.robot.robot_file_sections import FRAME_AXES, ComTaskFile
 from tsd_casadi.state import Matrix, Vector
 
 
@@ -21,11 +21,7 @@ class FrictionFeedforward(Compensator):
     """
 
     def __init__(self, friction: Friction) -> None:
-        """Take what was identified.
-
-        Args:
-            friction: Of the robot's joints.
-        """
+        """Take what was identified."""
         self._friction = friction
 
     def start(self, setting: Setting) -> None:

@@ -13,56 +13,17 @@ compliant movement primitives. One periodic signal for each joint.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-
 import numpy as np
-from numpy.typing import ArrayLike
 
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import InvalidValue, SimulationError
-from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.state import Matrix, Vector
+from tsd_casadi.state import Vector
 from tsd_clients.simulator.simulator import MujocoSimulator
-
-
-@dataclass(frozen=True)
-class TorqueFeedforward:
-    """Joint torques to add, as functions of the phase.
-
-    Attributes:
-        joints: Names of the n joints.
-        basis: The basis of the weights.
-        weights: (n, L) [N m].
-        parameters: Task parameters it is meant for, SI units.
-    """
-
-    joints: tuple[str, ...]
-    basis: PeriodicBasis
-    weights: Matrix
-    parameters: dict[str, float] = field(default_factory=dict)
-
-    @classmethod
-    def zero(cls, joints: Sequence[str], parameters: dict[str, float]) -> TorqueFeedforward:
-        """Nothing learned yet."""
-        basis = PeriodicBasis()
-        return cls(tuple(joints), basis, np.zeros((len(joints), basis.L)), parameters)
-
-    def mean(self, phase: ArrayLike) -> Matrix:
-        """The torques.
-
-        Args:
-            phase: (N,) [rad].
-
-        Returns:
-            (n, N) [N m].
-        """
-        return self.basis.evaluate(phase, self.weights)
+from tsd_experiments.comparison.baselines.torque_feedforward import LearnedTorque, TorqueFeedforward
 
 
 class FeedbackTorque(Compensator):
@@ -97,34 +58,6 @@ class FeedbackTorque(Compensator):
         self.torques.append(moment.tick.tau - without.tau)
 
 
-class LearnedTorque(Compensator):
-    """Adds a torque feedforward."""
-
-    def __init__(self, feedforward: TorqueFeedforward) -> None:
-        """Take what was learned.
-
-        Args:
-            feedforward: Of the same robot.
-        """
-        self._feedforward = feedforward
-
-    def start(self, setting: Setting) -> None:
-        """Check the joints.
-
-        Raises:
-            SimulationError: If it was learned with other joints.
-        """
-        if self._feedforward.joints != tuple(setting.robot.joint_names):
-            raise SimulationError(
-                f"the torques are for {', '.join(self._feedforward.joints)}, {setting.robot.name} "
-                f"has {', '.join(setting.robot.joint_names)}; learn them with this robot"
-            )
-
-    def after(self, moment: Moment) -> None:
-        """Add the torques of this phase."""
-        moment.tau = moment.tau + self._feedforward.mean([moment.phase])[:, 0]
-
-
 def learn_joint_torques(
     simulator: MujocoSimulator,
     controller: WholeBodyController,
@@ -140,13 +73,8 @@ def learn_joint_torques(
     N iterations are N repetitions; how well the result does, another run tells.
 
     Args:
-        simulator: The simulated robot.
-        controller: Local or remote.
-        motion: What to learn.
-        iterations: Learning iterations.
         laps: Least number of laps of each run.
         gains: Factors on the learned task's gains.
-        seed: Of the starting randomness.
 
     Returns:
         The repetitions learned from, and what was learned.
@@ -178,12 +106,7 @@ def learn_joint_torques(
 def add_feedback(
     applied: TorqueFeedforward, run: Run, recorded: FeedbackTorque
 ) -> TorqueFeedforward:
-    """Torques for the next repetition.
-
-    Args:
-        applied: Torques that the repetition used.
-        run: The repetition.
-        recorded: Its feedback torques.
+    """Add a repetition's feedback to the torques for the next one.
 
     Returns:
         Applied plus fitted.
@@ -202,46 +125,3 @@ def add_feedback(
     feedback = np.array(recorded.torques)[measured].T
     weights = applied.weights + applied.basis.fit(run.log["phase"][measured], feedback)
     return TorqueFeedforward(applied.joints, applied.basis, weights, applied.parameters)
-
-
-def generalise_torques(
-    task: str, learned: Sequence[TorqueFeedforward], parameters: dict[str, float]
-) -> TorqueFeedforward:
-    """Torques for task parameters that were never tried, as for task accelerations.
-
-    Args:
-        task: Name of the motion.
-        learned: What was learned at other parameters; the regression is over
-            those that differ.
-        parameters: The parameters asked for, SI units.
-
-    Returns:
-        The predicted torques.
-
-    Raises:
-        InvalidValue: If nothing was learned.
-        EntryNotFound: If too little was learned.
-        OutsideTrainedRange: If a parameter is outside of what was learned.
-    """
-    if not learned:
-        raise InvalidValue("learned", "empty", "torques learned at some other parameters")
-    first = learned[0]
-    names, inputs = varied([other.parameters for other in learned])
-    regression = WeightRegression(
-        task, names, inputs, [other.weights for other in learned], first.basis
-    )
-    mean, _ = regression.predict(parameters)
-    return TorqueFeedforward(first.joints, first.basis, mean, dict(parameters))
-
-
-def varied(parameters: Sequence[dict[str, float]]) -> tuple[list[str], Matrix]:
-    """Which task parameters differ, and their values.
-
-    Args:
-        parameters: Of some motions, n of them.
-
-    Returns:
-        Names of those that differ, d of them, and their values, (n, d).
-    """
-    names = [name for name in parameters[0] if len({each[name] for each in parameters}) > 1]
-    return names, np.array([[each[name] for name in names] for each in parameters])

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from tsd_casadi.exceptions import SimulationError
-from tsd_casadi.identification.inertias import Observations
+from tsd_casadi.identification.observations import Observations
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.state import Matrix, Vector
@@ -22,7 +22,7 @@ HARMONICS = 10  # of the motion, what lies above is noise
 
 
 class MotionRecorder(Compensator):
-    """Keeps measured states and commanded torques; must be the last correction.
+    """Keeps measured states and commanded torques; must be the last compensator.
 
     Attributes:
         q: One (nq,) per tick.
@@ -48,11 +48,7 @@ class MotionRecorder(Compensator):
 
 
 def observe(run: Run, recorder: MotionRecorder) -> Observations:
-    """One average lap of a repetition.
-
-    Args:
-        run: The repetition.
-        recorder: What was kept of it.
+    """Average the steady laps of a repetition to observations of one lap.
 
     Returns:
         Its steady laps, averaged over the phase and smoothed.
@@ -78,7 +74,7 @@ def observe(run: Run, recorder: MotionRecorder) -> Observations:
 
 
 def _average(phase: Vector, values: Matrix) -> Matrix:
-    """Means over equal parts of a lap, (BINS, columns)."""
+    """Average values over equal parts of a lap, (BINS, columns)."""
     index = np.floor(np.mod(phase / (2 * math.pi), 1.0) * BINS).astype(int) % BINS
     sums = np.zeros((BINS, values.shape[1]))
     np.add.at(sums, index, values)
@@ -86,7 +82,7 @@ def _average(phase: Vector, values: Matrix) -> Matrix:
 
 
 def _harmonics(values: Matrix, derivative: int, omega: float) -> Matrix:
-    """Derivative by time of the lowest harmonics of one lap, (BINS, columns)."""
+    """Differentiate the lowest harmonics of one lap by time, (BINS, columns)."""
     spectrum = np.fft.rfft(values, axis=0)
     spectrum[HARMONICS + 1 :] = 0.0
     rate = 1j * omega * np.arange(len(spectrum))

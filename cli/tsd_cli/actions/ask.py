@@ -1,0 +1,87 @@
+"""Asking the learner: what to feed forward, what is known, what to forget."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import typer
+
+from tsd_casadi.robot.robot import load_robot
+from tsd_casadi.wire.feedforward import FeedforwardMessage
+from tsd_cli.actions.prepare import asked_motion, open_learner
+from tsd_cli.interrupt import interruptible
+from tsd_cli.options.motion import AskedMotion
+from tsd_cli.options.output import JsonOptions
+from tsd_cli.options.robot import RobotOptions
+from tsd_cli.options.services import ConnectOptions
+from tsd_cli.output import check_outputs, put_out
+from tsd_clients.console.learner_tables import describe_parameters, describe_values, print_entries
+from tsd_clients.console.table import console
+
+
+@interruptible()
+def ask_feedforward(
+    motion: AskedMotion,
+    robot: RobotOptions,
+    kind: str | None,
+    extrapolate: bool,
+    services: ConnectOptions,
+    output: JsonOptions,
+) -> None:
+    """Ask for a feedforward and show it.
+
+    Raises:
+        TsdError: If the learner has none, or cannot be reached.
+    """
+    check_outputs(output)
+    loaded = load_robot(robot.robot)
+    wanted = asked_motion(motion, loaded)
+    with open_learner(services) as learner:
+        message = learner.query_message(
+            wanted.name, robot=loaded.name, kind=kind, extrapolate=extrapolate, **wanted.parameters
+        )
+    put_out(json.loads(message.encode()), output, lambda: _print_feedforward(message))
+
+
+@interruptible()
+def show_entries(services: ConnectOptions, output: JsonOptions) -> None:
+    """List what was learned.
+
+    Raises:
+        TsdError: If the learner cannot be reached.
+    """
+    check_outputs(output)
+    with open_learner(services) as learner:
+        reply = learner.database()
+    put_out(reply.model_dump(mode="json"), output, lambda: print_entries(reply))
+
+
+@interruptible()
+def forget(entry: int, services: ConnectOptions) -> None:
+    """Remove an entry and say what it was.
+
+    Raises:
+        TsdError: If there is none of that number, or the learner cannot be reached.
+    """
+    with open_learner(services) as learner:
+        forgotten = learner.forget(entry).forgotten
+    if forgotten is not None:
+        typer.echo(
+            f"forgot entry {forgotten.entry}: {forgotten.task} of {forgotten.robot}, "
+            f"{describe_parameters(forgotten)}"
+        )
+
+
+def _print_feedforward(message: FeedforwardMessage) -> None:
+    feedforward = message.feedforward()
+    parameters = describe_values(message.task, feedforward.parameters)
+    axes = ", ".join(feedforward.axes)
+    console.print(f"{feedforward.kind} feedforward along {axes} for {parameters}")
+    source = "entries {entries}, iteration {iteration}".format(**feedforward.provenance)
+    console.print(f"from {source}; the whole answer: --json -")
+    phase = np.linspace(0, 2 * np.pi, 8, endpoint=False)
+    mean, std = feedforward.mean(phase), feedforward.std(phase)
+    for axis, name in enumerate(feedforward.axes):
+        for p, m, s in zip(phase, mean[axis], std[axis], strict=True):
+            console.print(f"  {name}  phase {p:5.3f} rad  {m:9.5f} ± {s:.5f} m/s²")

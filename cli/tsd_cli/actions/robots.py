@@ -1,0 +1,52 @@
+"""The robots that come with the project."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tsd_casadi.robot.robot import load_robot
+from tsd_cli.interrupt import interruptible
+from tsd_cli.options.output import JsonOptions
+from tsd_cli.output import check_outputs, put_out
+from tsd_clients.console.table import Column, print_table
+from tsd_models import robot_files
+
+
+@interruptible()
+def show_robots(output: JsonOptions) -> None:
+    """List the shipped robots.
+
+    Raises:
+        TsdError: If the output cannot be written.
+    """
+    check_outputs(output)
+    robots = [_describe(name) for name in robot_files()]
+    put_out({"robots": robots}, output, lambda: _print(robots))
+
+
+def _describe(name: str) -> dict[str, Any]:
+    robot = load_robot(name)
+    description = robot.description
+    return {
+        "name": robot.name,
+        "joints": robot.joint_names,
+        "contacts": [contact.name for contact in description.contacts],
+        "tasks": [task.name for task in description.tasks],
+        "motions": list(type(description.motions).model_fields),
+        "file": str(robot.path),
+    }
+
+
+def _print(robots: list[dict[str, Any]]) -> None:
+    def listed(name: str) -> list[str]:
+        return [", ".join(robot[name]) for robot in robots]
+
+    columns = [
+        Column("robot", [robot["name"] for robot in robots], is_text=True),
+        Column("joints", [str(len(robot["joints"])) for robot in robots]),
+        Column("contacts", listed("contacts"), rank=1, is_text=True),
+        Column("tasks", listed("tasks"), rank=2, is_text=True),
+        Column("motions", listed("motions"), is_text=True),
+        Column("file", [robot["file"] for robot in robots], rank=3, is_text=True),
+    ]
+    print_table("", columns)

@@ -1,0 +1,96 @@
+"""One repetition of a motion in simulation, for the command line."""
+
+from __future__ import annotations
+
+import typer
+
+from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.motions.motion import Motion
+from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
+from tsd_casadi.robot.robot import Robot, load_robot
+from tsd_cli.actions.label import label_of
+from tsd_cli.actions.prepare import (
+    asked_motion,
+    chosen_compensators,
+    chosen_gains,
+    make_simulator,
+    open_controller,
+    open_learner,
+)
+from tsd_cli.interrupt import interruptible
+from tsd_cli.options.motion import FeedforwardChoice, MotionOptions, SingleRepetitionOptions
+from tsd_cli.options.output import LogOptions
+from tsd_cli.options.robot import SimulatedRobotOptions
+from tsd_cli.options.services import ServiceOptions
+from tsd_cli.output import check_outputs, put_out
+from tsd_clients.console.progress import show_progress
+from tsd_clients.console.run_tables import print_runs
+from tsd_clients.logs.log_file import check_log_path, save_log
+
+FELL = 3
+
+
+@interruptible()
+def simulate_once(
+    motion: MotionOptions,
+    repetition: SingleRepetitionOptions,
+    body: SimulatedRobotOptions,
+    services: ServiceOptions,
+    output: LogOptions,
+) -> None:
+    """Simulate a repetition and show how it went.
+
+    Raises:
+        TsdError: If it cannot be done as asked.
+        typer.Exit: If the robot fell.
+    """
+    check_outputs(output, output.log)
+    if output.log is not None:
+        check_log_path(output.log)
+    robot = load_robot(body.robot)
+    wanted = asked_motion(motion, robot)
+    gains = chosen_gains(repetition)
+    compensators = chosen_compensators(repetition, robot)
+    gate = FeedforwardGate()
+    if repetition.feedforward is FeedforwardChoice.GENERALIZED:
+        compensators.append(gate)
+    learned = _ask(repetition.feedforward, robot, wanted, services)
+    simulator = make_simulator(body, robot)
+    with (
+        open_controller(services, robot) as controller,
+        show_progress(f"{wanted.name} {motion.amplitude:g} m", 1.0) as progress,
+    ):
+        run = simulator.run(
+            controller,
+            wanted,
+            laps=repetition.laps,
+            feedforward=learned,
+            gains=gains,
+            compensators=compensators,
+            seed=repetition.seed,
+            transport=services.controller.value,
+            progress=progress,
+        )
+    if output.log is not None:
+        save_log(run, output.log)
+    if gate.dropped_at is not None:
+        typer.echo(
+            f"note: generalised feedforward dropped at {gate.dropped_at:.2f} s: tracking was "
+            "worse with it than without",
+            err=True,
+        )
+    summary = {"label": label_of(run), **run.summary()}
+    put_out(summary, output, lambda: print_runs("simulation", [summary]))
+    if run.fell:
+        raise typer.Exit(FELL)
+
+
+def _ask(
+    choice: FeedforwardChoice, robot: Robot, motion: Motion, services: ServiceOptions
+) -> Feedforward | None:
+    if choice is FeedforwardChoice.NONE:
+        return None
+    with open_learner(services) as learner:
+        return learner.query(
+            motion.name, robot=robot.name, kind=choice.value, extrapolate=False, **motion.parameters
+        )

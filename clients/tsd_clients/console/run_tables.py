@@ -1,0 +1,111 @@
+"""Tables of runs and of what was to be reached."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rich.markup import escape
+
+from tsd_clients.console.table import Column, print_table
+
+
+def print_runs(title: str, summaries: Sequence[Mapping[str, Any]]) -> None:
+    """Print runs, one per row.
+
+    Args:
+        title: Above the table.
+        summaries: From ``Run.summary``, each with a 'label'.
+    """
+
+    def lengths(name: str) -> list[str]:
+        return [number_text(summary[name], 1e3, 4) for summary in summaries]
+
+    def times(name: str) -> list[str]:
+        return [f"{summary['tick_us'][name]:.0f}" for summary in summaries]
+
+    labels = [escape(summary["label"]) + _remarks(summary) for summary in summaries]
+    feedback = [number_text(summary["mean_abs_feedback"], 1.0, 5) for summary in summaries]
+    laps = [f"{summary['laps_measured']}/{summary['laps_run']}" for summary in summaries]
+    columns = [
+        Column("run", labels, is_text=True),
+        Column("RMS\nmm", lengths("rms_error_m")),
+        Column("peak\nmm", lengths("peak_error_m"), rank=5),
+        Column("AC RMS\nmm", lengths("ac_rms_error_m"), rank=1),
+        Column("true RMS\nmm", lengths("true_rms_error_m"), rank=2),
+        Column("|fb|\nm/s²", feedback, rank=3),  # mean absolute feedback
+        Column("laps", laps, rank=4),
+        Column("p50\nµs", times("p50"), rank=6),
+        Column("p99\nµs", times("p99"), rank=7),
+    ]
+    print_table(title, columns)
+
+
+def print_goals(goals: Sequence[Mapping[str, Any]]) -> None:
+    """Print what was to be reached and what was.
+
+    Args:
+        goals: With 'id', 'goal', 'measured' and 'met'.
+    """
+    measured = [goal["measured"] for goal in goals]
+    columns = [
+        Column("comparison", [escape(goal["id"]) for goal in goals], is_text=True),
+        Column("goal", [escape(goal["goal"]) for goal in goals]),
+        Column("measured", ["-" if value is None else f"{value:.4g}" for value in measured]),
+        Column("", [_verdict(goal) for goal in goals], is_text=True),
+    ]
+    print_table("goals", columns)
+
+
+def print_accuracy(file: str, accuracy: Mapping[str, Any]) -> None:
+    """Print how good a corrected centre of mass is.
+
+    Args:
+        file: Where it was written.
+        accuracy: From ``Accuracy.plain``.
+    """
+    rows = [
+        (
+            "centre of pressure, measured - expected",
+            accuracy["cop_residual_before"],
+            accuracy["cop_residual_after"],
+        )
+    ]
+    for index, axis in enumerate("xyz"):
+        before, after = (accuracy[f"error_{when}"][index] for when in ("before", "after"))
+        rows.append((f"true error of the centre of mass, {axis}", before, after))
+    before, after = (accuracy[f"deviation_{when}"][2] for when in ("before", "after"))
+    rows.append(("standard deviation of its height at home", before, after))
+    names, befores, afters = zip(*rows, strict=True)
+    columns = [
+        Column("RMS", names, is_text=True),
+        Column("model\nmm", [number_text(value, 1e3, 3) for value in befores]),
+        Column("corrected\nmm", [number_text(value, 1e3, 3) for value in afters]),
+    ]
+    print_table(f"centre of mass from {accuracy['poses']} poses, in {file}", columns)
+
+
+def number_text(value: float | None, scale: float, digits: int) -> str:
+    """Write a number for a cell; '-' where there is none.
+
+    Args:
+        scale: Factor on it, for another unit.
+        digits: After the decimal point.
+    """
+    return "-" if value is None else f"{scale * value:.{digits}f}"
+
+
+def _verdict(goal: Mapping[str, Any]) -> str:
+    if goal["measured"] is None:
+        return "not covered"
+    return "[green]met[/green]" if goal["met"] else "[red]missed[/red]"
+
+
+def _remarks(summary: Mapping[str, Any]) -> str:
+    remarks = []
+    if summary["fell"]:
+        remarks.append("fell")
+    elif not summary["steady"]:
+        remarks.append("never steady")
+    remarks += [f"{count} ticks {status}" for status, count in summary["failures"].items()]
+    return f" [red]({', '.join(remarks)})[/red]" if remarks else ""

@@ -1,0 +1,77 @@
+"""Tables that fit the terminal: where it is narrow, what matters least is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+# as wide as the terminal, or COLUMNS; 80 columns where the output is no terminal
+console = Console()
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of a table.
+
+    Attributes:
+        heading: Above the cells; may have several lines.
+        cells: With Rich's markup.
+        rank: 0 is always shown; of the others the highest leaves first.
+        is_text: Aligned to the left; numbers are to the right.
+    """
+
+    heading: str
+    cells: Sequence[str]
+    rank: int = 0
+    is_text: bool = False
+
+
+def print_table(title: str, columns: Sequence[Column]) -> None:
+    """Print as many columns as there is room for, and name those there is none for.
+
+    Cells stay in one line. Only where not even the columns of rank 0 fit do texts
+    break, between words.
+
+    Args:
+        title: Above the table; empty for none.
+        columns: In the order they are shown.
+    """
+    shown, left_out = list(columns), []
+    while _width(shown) > console.width and any(column.rank for column in shown):
+        last = max(shown, key=lambda column: column.rank)
+        shown.remove(last)
+        left_out.append(last)
+    console.print()
+    if title:
+        console.print(f"[italic]{escape(title)}[/italic]", highlight=False)
+    console.print(_table(shown, may_break=_width(shown) > console.width))
+    if left_out:
+        # in the order of the table
+        names = [" ".join(column.heading.split()) for column in columns if column in left_out]
+        console.print(
+            f"[dim]no room for {escape(', '.join(names))}: a wider terminal shows it, the JSON "
+            "has it[/dim]",
+            highlight=False,
+        )
+
+
+def _table(columns: Sequence[Column], *, may_break: bool) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, pad_edge=False)
+    for column in columns:
+        breaks = may_break and column.is_text
+        table.add_column(
+            column.heading, justify="left" if column.is_text else "right", no_wrap=not breaks
+        )
+    for row in zip(*(column.cells for column in columns), strict=True):
+        table.add_row(*row)
+    return table
+
+
+def _width(columns: Sequence[Column]) -> int:
+    endless = console.options.update(width=10_000)
+    return console.measure(_table(columns, may_break=False), options=endless).maximum

@@ -1,0 +1,1 @@
+"""Logs of repetitions as files, tick by tick."""

@@ -1,0 +1,1 @@
+"""Asked here: is it noticed when a feedforward learned for something else does harm?"""

@@ -1,0 +1,1 @@
+"""The paper's outlook: generalisation over more than one parameter, from tens of entries."""

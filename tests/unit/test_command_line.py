@@ -1,0 +1,310 @@
+"""The command line without any service: help, refusals, what loads and what Ctrl-C does."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from tsd_casadi import __version__
+from tsd_cli import command_line
+from tsd_cli.actions import robots
+from tsd_clients.console.table import console
+
+COMMANDS = [
+    [],
+    *(
+        text.split()
+        for text in (
+            "controller",
+            "learner",
+            "simulate",
+            "learn",
+            "calibrate",
+            "query",
+            "demo",
+            "reproduce",
+            "database",
+            "database list",
+            "database forget",
+            "robot",
+            "robot list",
+        )
+    ),
+]
+HEAVY = {
+    "numpy",
+    "scipy",
+    "sklearn",
+    "casadi",
+    "pinocchio",
+    "pinocchio_casadi",
+    "mujoco",
+    "matplotlib",
+    "zenoh",
+    "tsd_experiments",
+    "tsd_server",
+}
+
+
+class Outcome(NamedTuple):
+    code: int
+    out: str
+    err: str
+
+
+Tsd = Callable[..., Outcome]
+
+
+@pytest.fixture
+def tsd(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Iterator[Tsd]:
+    monkeypatch.setenv("MUJOCO_GL", "disable")
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("TERM", "dumb")
+
+    def run(*arguments: str) -> Outcome:
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            command_line.run(arguments)
+        code = ended.value.code
+        assert isinstance(code, int)
+        return Outcome(code, *capsys.readouterr())
+
+    before, console.width = console.width, 80
+    try:
+        yield run
+    finally:
+        console.width = before
+
+
+@pytest.mark.parametrize("option", ["-h", "--help"])
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_help_fits_eighty_columns_and_teaches_by_example(
+    tsd: Tsd, command: list[str], option: str
+) -> None:
+    done = tsd(*command, option)
+    assert (done.code, done.err) == (0, "")
+    assert all(len(line) <= 80 for line in done.out.splitlines())
+    if command not in (["database"], ["robot"]):  # groups: their commands have them
+        assert f"\n   tsd {' '.join(command)}" in done.out
+
+
+def test_what_every_option_was_called_it_is_still_called(tsd: Tsd) -> None:
+    text = tsd("learn", "-h").out + tsd("simulate", "-h").out + tsd("calibrate", "-h").out
+    shared = "--robot --model-error --link-error --link-seed --hardware --controller --connect"
+    motion = "--amplitude --frequency --height --laps --p-scale --d-scale --com-correction --seed"
+    single = "--feedforward --json --log"
+    learning = "--iterations --restart --rule --patience --first --auto --region"
+    calibration = "--out --poses --noise --inclinometer --mass-prior --center-prior"
+    for option in " ".join((shared, motion, single, learning, calibration)).split():
+        assert f" {option} " in text, option
+
+
+def test_version(tsd: Tsd) -> None:
+    assert tsd("--version") == (0, f"tsd {__version__}\n", "")
+
+
+def test_python_runs_the_package() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "tsd_cli", "--version"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == f"tsd {__version__}\n"
+
+
+def test_help_loads_nothing_heavy() -> None:
+    program = (
+        "import sys, tsd_cli.command_line as c\n"
+        "try: c.run(['learn', '--help'])\n"
+        "finally: print(*sys.modules, file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    loaded = {name.partition(".")[0] for name in done.stderr.split()}
+    assert "typer" in loaded
+    assert not loaded & HEAVY
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "simulate squat --amplitude wide",
+        "simulate squat --no-such-option",
+        "simulate",
+        "lear squat",
+        "learn squat --rule best",
+        "query squat",
+    ],
+)
+def test_wrong_usage_is_exit_code_2(tsd: Tsd, arguments: str) -> None:
+    done = tsd(*arguments.split())
+    assert (done.code, done.out) == (2, "")
+    assert "Usage: tsd" in done.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("simulate squat --robot atlas", ["no robot 'atlas'", "hermes_lower"]),
+        ("simulate jump", ["'jump'", "'squat'"]),
+        ("simulate sqaut", ["did you mean 'squat'?"]),
+        ("simulate squat --amplitude 5", ["did you mean 0.05 or 0.005 m?"]),
+        ("learn squat --amplitude 0.5", ["did you mean 0.05 or 0.005 m?"]),
+        ("query squat --amplitude 5", ["did you mean 0.05 or 0.005 m?"]),
+        ("simulate squat --frequency 9", ["frequency is 9", "0.05 to 1 Hz"]),
+        ("simulate squat --model-error -1", ["model error", "0.1 is 10 %"]),
+        ("simulate squat --hardware rust", ["hardware is rust", "friction", "all"]),
+        ("simulate squat --hardware lag,rust", ["hardware is rust,", "flat_feet"]),
+        ("learn squat --hardware lag;noise", ["hardware is lag;noise", "flat_feet"]),
+        ("simulate squat --hardware lagg", ["did you mean 'lag'?"]),
+        ("simulate squat --link-error 1", ["model error", "0.1 is 10 %"]),
+        ("simulate squat --height 0.5", ["height is 0.5", "-0.05 to 0.06 m"]),
+        ("query squat --amplitude 0.03 --height 5", ["height is 5"]),
+        ("simulate squat --d-scale 0 --controller local", ["d scale is 0"]),
+        ("simulate squat --p-scale -1 --controller local", ["p scale is -1"]),
+        ("simulate squat --log run.txt", ["run.txt", "ends in .csv or .npz"]),
+        ("learn squat --iterations 0", ["iterations is 0"]),
+        ("learn squat --region amplitude", ["--region", "--auto"]),
+        ("learn squat --auto 2 --region depth=0:1", ["depth", "0.02:0.08"]),
+        ("learn squat --auto 2 --region heigth", ["did you mean 'height'?"]),
+        ("learn squat --auto 2 --region amplitude=0:1", ["amplitude", "0.08"]),
+        ("learn squat --com-correction none.json", ["none.json", "tsd calibrate"]),
+        ("reproduce --page report", ["--page", ".md"]),
+        ("reproduce --figure 7", ["figure is 7", "2, 3, 4, 5, 6"]),
+        ("controller --listen 127.0.0.1", ["endpoint", "tcp/127.0.0.1:7447"]),
+        ("controller --robot nobody.yaml", ["no robot 'nobody.yaml'"]),
+        ("learner --database nowhere/d.sqlite", ["no folder nowhere"]),
+        ("database list --connect somewhere", ["endpoint", "PROTOCOL/ADDRESS:PORT"]),
+    ],
+)
+def test_what_cannot_be_done_is_one_message(
+    tsd: Tsd,
+    arguments: str,
+    words: list[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("tsd_server.serve.end_at_once", lambda: None)  # the tests' own signals
+    done = tsd(*arguments.split())
+    assert (done.code, done.out) == (1, "")
+    assert done.err.startswith("error: ")
+    assert "Traceback" not in done.err
+    for word in words:
+        assert word in done.err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("option", ["--json", "--log"])
+@pytest.mark.parametrize(("place", "reason"), [("", "is a folder"), ("no/x.csv", "no folder")])
+def test_outputs_are_checked_before_the_work(
+    tsd: Tsd, tmp_path: Path, option: str, place: str, reason: str
+) -> None:
+    arguments = ("simulate", "squat", "--controller", "local", option, str(tmp_path / place))
+    done = tsd(*arguments)
+    assert (done.code, done.out) == (1, "")
+    assert "output file" in done.err
+    assert reason in done.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_robots_are_listed(tsd: Tsd, tmp_path: Path) -> None:
+    target = tmp_path / "robots.json"
+    shown = tsd("robot", "list", "--json", str(target))
+    assert (shown.code, shown.err) == (0, "")
+    words = " ".join(shown.out.split())
+    assert "hermes_lower 17 left_foot, right_foot com, pelvis, torso squat" in words
+    (hermes,) = json.loads(target.read_text())["robots"]
+    assert hermes["name"] == "hermes_lower"
+    assert len(hermes["joints"]) == 17
+    assert Path(hermes["file"]).is_file()
+    assert json.loads(tsd("robot", "list", "--json", "-").out) == {"robots": [hermes]}
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (OSError(28, "No space left on device"), "No space left on device"),
+        (ValueError("surprise"), "unexpected ValueError: surprise"),
+    ],
+)
+def test_what_nobody_foresaw_is_one_message_too(
+    tsd: Tsd, monkeypatch: pytest.MonkeyPatch, error: Exception, words: str
+) -> None:
+    def fail() -> None:
+        raise error
+
+    monkeypatch.setattr(robots, "robot_files", fail)
+    monkeypatch.delenv(command_line.TRACEBACK, raising=False)
+    done = tsd("robot", "list")
+    assert (done.code, done.out) == (1, "")
+    assert done.err.startswith("error: ")
+    assert words in done.err
+    assert "Traceback" not in done.err
+
+
+def test_whoever_mends_a_defect_gets_the_traceback(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fail() -> None:
+        raise ValueError("surprise")
+
+    monkeypatch.setattr(robots, "robot_files", fail)
+    monkeypatch.setenv(command_line.TRACEBACK, "1")
+    with pytest.raises(ValueError, match="surprise"):
+        command_line.run(["robot", "list"])
+
+
+# the signal comes when a module is looked for: from our first line to the last import
+INTERRUPT_AT_IMPORT = """
+import importlib.abc, os, signal, sys
+
+module, sys.argv = sys.argv[1], ["tsd", "robot", "list"]
+
+class Finder(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name == module:
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Finder())
+from tsd_cli.__main__ import main
+main()
+"""
+# the signal comes when all is done and the interpreter ends
+INTERRUPT_AT_EXIT = """
+import atexit, os, signal, sys
+from tsd_cli.__main__ import main
+atexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))
+sys.argv = ["tsd", "--version"]
+main()
+"""
+
+
+def interrupted(program: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", program, *arguments],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        # a shell's job in the background would have it ignored
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.default_int_handler),
+    )
+
+
+@pytest.mark.parametrize(
+    "module",
+    ["tsd_cli.command_line", "typer.main", "rich.console", "tsd_cli.actions.robots", "pinocchio"],
+)
+def test_an_interrupt_while_modules_load_ends_the_process_without_a_word(module: str) -> None:
+    done = interrupted(INTERRUPT_AT_IMPORT, module)
+    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")
+
+
+def test_an_interrupt_while_the_interpreter_ends_says_nothing() -> None:
+    done = interrupted(INTERRUPT_AT_EXIT)
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, "")

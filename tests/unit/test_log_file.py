@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tsd_casadi import Feedforward, PeriodicBasis, Run, Squat
+from tsd_casadi.exceptions import InvalidValue
+from tsd_clients.logs.log_file import check_log_path, save_log
+
+
+@pytest.fixture
+def run() -> Run:
+    rng = np.random.default_rng(0)
+    return Run(
+        robot="hermes_lower",
+        motion=Squat(0.03, 0.25),
+        feedforward=Feedforward.zero(("com.z",), PeriodicBasis()),
+        gains={},
+        settings={},
+        log={
+            "time": np.arange(3) * 1e-3,
+            "lap": np.array([-1, 0, 0]),
+            "measured": np.array([False, True, True]),
+            "error": rng.normal(size=3),
+            "tau": rng.normal(size=(3, 2)).astype(np.float32),
+        },
+        laps=[],
+        laps_run=1,
+        steady=True,
+        fell=False,
+        failures={},
+    )
+
+
+def test_arrays_come_back_as_they_were(run: Run, tmp_path: Path) -> None:
+    save_log(run, tmp_path / "log.npz")
+    with np.load(tmp_path / "log.npz", allow_pickle=False) as saved:
+        assert set(saved) == set(run.log)
+        for name, values in run.log.items():
+            np.testing.assert_array_equal(saved[name], values)
+            assert saved[name].dtype == values.dtype
+
+
+def test_csv_has_a_line_a_tick_and_every_digit(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "log.CSV"
+    save_log(run, path)
+    with path.open(newline="") as file:
+        header, *rows = list(csv.reader(file))
+    assert header == ["time", "lap", "measured", "error", "tau[0]", "tau[1]"]
+    assert [row[1:3] for row in rows] == [["-1", "0"], ["0", "1"], ["0", "1"]]
+    columns = dict(zip(header, zip(*rows, strict=True), strict=True))
+    np.testing.assert_array_equal(np.array(columns["error"], dtype=float), run.log["error"])
+    tau = np.array([columns["tau[0]"], columns["tau[1]"]], dtype=np.float32).T
+    np.testing.assert_array_equal(tau, run.log["tau"])
+
+
+@pytest.mark.parametrize("name", ["log", "log.txt", "log.csv.gz", ".csv"])
+def test_other_endings_are_refused_by_name(run: Run, tmp_path: Path, name: str) -> None:
+    with pytest.raises(InvalidValue, match=rf"{name}.*ends in \.csv or \.npz"):
+        check_log_path(tmp_path / name)
+    with pytest.raises(InvalidValue):
+        save_log(run, tmp_path / name)
+    assert list(tmp_path.iterdir()) == []

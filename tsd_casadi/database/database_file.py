@@ -1,0 +1,100 @@
+"""One SQLite file, in transactions."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from tsd_casadi.database.schema import prepare
+from tsd_casadi.exceptions import DatabaseError
+
+
+class DatabaseFile:
+    """An open file with our tables; what SQLite has to say arrives as ``DatabaseError``.
+
+    Attributes:
+        path: The file.
+        connection: SQLite's, for the thread that opened it only.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Open a file, or make one in a folder that exists.
+
+        Raises:
+            DatabaseError: If it cannot be opened or is not one of ours.
+        """
+        self.path = path
+        if not path.parent.is_dir():
+            raise DatabaseError(
+                path,
+                f"cannot be opened (there is no folder {path.parent})",
+                "name a file in a folder you may write to, or make that one",
+            )
+        try:
+            self.connection = sqlite3.connect(path, isolation_level=None)
+        except sqlite3.Error as error:
+            raise DatabaseError(
+                path, f"cannot be opened ({error})", "name a file in a folder you may write to"
+            ) from error
+        try:
+            prepare(self.connection)
+        except sqlite3.OperationalError as error:
+            self.close()
+            raise DatabaseError(
+                path,
+                f"cannot be read ({error})",
+                "check permissions, free disk space and whether another process holds it",
+            ) from error
+        except (sqlite3.DatabaseError, ValueError, TypeError, RecursionError) as error:
+            # besides SQLite's own, text that is none and JSON of older files that is damaged
+            self.close()
+            raise DatabaseError(
+                path,
+                f"is not a database of this project ({error})",
+                "name another file with --database; this one was not changed",
+            ) from error
+
+    def close(self) -> None:
+        """Close the file."""
+        self.connection.close()
+
+    def execute(self, statement: str, values: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+        """Run a statement and read all rows that it answers.
+
+        Args:
+            statement: SQL with a placeholder for each value.
+            values: Of the placeholders.
+
+        Raises:
+            DatabaseError: If the file cannot be read or written.
+        """
+        try:
+            return self.connection.execute(statement, values).fetchall()
+        except sqlite3.Error as error:
+            raise DatabaseError(
+                self.path,
+                f"cannot be read or written ({error})",
+                "check free disk space, permissions and whether another process holds it",
+            ) from error
+
+    @contextmanager
+    def transaction(self, kind: str = "DEFERRED") -> Iterator[None]:
+        """Keep all statements inside, or none of them.
+
+        Args:
+            kind: 'IMMEDIATE' keeps other writers out from the start.
+
+        Raises:
+            DatabaseError: If it cannot begin or be committed.
+        """
+        self.execute(f"BEGIN {kind}")
+        try:
+            yield
+            self.execute("COMMIT")
+        finally:
+            # after a failure, a failed COMMIT included, unless SQLite did it itself
+            if self.connection.in_transaction:
+                self.connection.rollback()

@@ -1,0 +1,106 @@
+"""Every error this project raises, in one hierarchy.
+
+Each class carries its data as attributes; the message says what was wrong,
+what was expected and what to do about it::
+
+    TsdError
+    ├── InvalidValue            (a ValueError) a number out of range
+    ├── UnknownField            (a KeyError) a vector without that field
+    ├── MalformedMessage        (a ValueError) bytes or JSON that cannot be read
+    │   ├── UnsupportedVersion
+    │   └── LayoutMismatch
+    ├── SimulationError         a simulation that cannot be carried out
+    ├── RobotError              the robot's files
+    │   ├── RobotFileError
+    │   ├── UnknownRobot
+    │   └── ParityError
+    ├── ControllerError         compiling, keeping and loading the controller
+    │   ├── CompilerNotFound
+    │   ├── CompilationFailed
+    │   ├── CacheNotPrivate
+    │   ├── CacheNotWritable
+    │   └── NotLoadable
+    ├── LearningError           what was learned
+    │   ├── DatabaseError
+    │   ├── EntryNotFound
+    │   ├── OutsideTrainedRange
+    │   └── IncompatibleEntry
+    └── ServiceError            between a service and its clients
+        ├── ServiceUnreachable
+        ├── ServiceFailed
+        ├── ServiceNotReady
+        ├── EndpointTaken
+        └── TwoServices
+
+An error that a service answers with arrives at the client as the class that the
+library raises: ``except EntryNotFound`` holds for a local database and for a
+remote learner alike. The wire carries code and message only, so the attributes
+with data are None on such an error; ``str`` of it is the service's message. A
+code without a class here arrives as ``ServiceFailed``.
+"""
+
+from tsd_casadi.exceptions.base import TsdError, class_of
+from tsd_casadi.exceptions.controller import (
+    CacheNotPrivate,
+    CacheNotWritable,
+    CompilationFailed,
+    CompilerNotFound,
+    ControllerError,
+    NotLoadable,
+)
+from tsd_casadi.exceptions.learning import (
+    DatabaseError,
+    EntryNotFound,
+    IncompatibleEntry,
+    LearningError,
+    OutsideTrainedRange,
+)
+from tsd_casadi.exceptions.robot import ParityError, RobotError, RobotFileError, UnknownRobot
+from tsd_casadi.exceptions.services import (
+    EndpointTaken,
+    ServiceError,
+    ServiceFailed,
+    ServiceNotReady,
+    ServiceUnreachable,
+    TwoServices,
+)
+from tsd_casadi.exceptions.simulation import SimulationError
+from tsd_casadi.exceptions.values import (
+    InvalidValue,
+    LayoutMismatch,
+    MalformedMessage,
+    UnknownField,
+    UnsupportedVersion,
+)
+
+__all__ = [
+    "CacheNotPrivate",
+    "CacheNotWritable",
+    "CompilationFailed",
+    "CompilerNotFound",
+    "ControllerError",
+    "DatabaseError",
+    "EndpointTaken",
+    "EntryNotFound",
+    "IncompatibleEntry",
+    "InvalidValue",
+    "LayoutMismatch",
+    "LearningError",
+    "MalformedMessage",
+    "NotLoadable",
+    "OutsideTrainedRange",
+    "ParityError",
+    "RobotError",
+    "RobotFileError",
+    "ServiceError",
+    "ServiceFailed",
+    "ServiceNotReady",
+    "ServiceUnreachable",
+    "SimulationError",
+    "TsdError",
+    "TwoServices",
+    "UnknownField",
+    "UnknownRobot",
+    "UnsupportedVersion",
+    "class_of",
+]

@@ -1,0 +1,84 @@
+"""A service is missing, is one too many or has failed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tsd_casadi.exceptions.base import TsdError
+
+
+class ServiceError(TsdError):
+    """What is wrong between a service and its clients.
+
+    What a service refuses is not one of these: it arrives as the class that
+    the library raises in the same case, ``EntryNotFound`` for instance.
+    """
+
+
+class ServiceUnreachable(ServiceError):
+    """No service answered.
+
+    Attributes:
+        role: 'controller' or 'learner'.
+        endpoints: Where it was looked for.
+    """
+
+    code = "unreachable"
+    role: str | None = None
+    endpoints: list[str] | None = None
+
+    def __init__(self, role: str, endpoints: Sequence[str], detail: str) -> None:
+        """Create the error for one service."""
+        self.role = role
+        self.endpoints = list(endpoints)
+        super().__init__(
+            f"no {role} answered at {', '.join(endpoints)} ({detail}); start one with "
+            f"'tsd {role}', or name its endpoint with --connect"
+        )
+
+
+class ServiceFailed(ServiceError):
+    """A service answered with an error that has no class here.
+
+    Its own defect, code 'internal', or an error of another version of this
+    software.
+
+    Attributes:
+        code: The service's error code.
+    """
+
+    def __init__(self, code: str, message: str) -> None:
+        """Create the error from a reply's fields."""
+        self.code = code
+        super().__init__(message)
+
+
+class ServiceNotReady(ServiceError):
+    """A service that was started did not get ready."""
+
+    code = "not_ready"
+
+
+class EndpointTaken(ServiceError):
+    """Another process listens on the endpoint already.
+
+    Attributes:
+        endpoint: The endpoint.
+    """
+
+    code = "endpoint_taken"
+    endpoint: str | None = None
+
+    def __init__(self, role: str, endpoint: str, detail: str) -> None:
+        """Create the error for one endpoint."""
+        self.endpoint = endpoint
+        super().__init__(
+            f"the {role} cannot listen on {endpoint} ({detail}); stop the process that "
+            "uses it or choose another with --listen tcp/127.0.0.1:PORT"
+        )
+
+
+class TwoServices(ServiceError):
+    """Two services answer for one robot."""
+
+    code = "two_services"

@@ -1,0 +1,1 @@
+"""Learning rules, one file each: what is served, and how the next weights come about."""

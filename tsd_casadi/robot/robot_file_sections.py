@@ -1,0 +1,179 @@
+"""The sections of a robot file: what may stand in each, with units."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+# strict: YAML's yes and no are not numbers
+Positive = Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(strict=True, ge=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+
+COM_AXES = ("x", "y", "z")
+FRAME_AXES = ("x", "y", "z", "rx", "ry", "rz")
+
+
+class Section(BaseModel):
+    """A part of the robot file; unknown fields are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Contact(Section):
+    """A flat foot on the ground.
+
+    Attributes:
+        name: Name of the contact.
+        frame: Frame of the URDF at the sole, z up out of the ground.
+        x: Extent of the sole along x in that frame, (low, high) [m].
+        y: Extent of the sole along y in that frame, (low, high) [m].
+        friction: Coulomb coefficient that the controller counts on.
+        torsional_friction: Bound of |normal torque| / normal force [m].
+        minimum_force: Least normal force while in contact [N].
+    """
+
+    name: Name
+    frame: str
+    x: tuple[Finite, Finite]
+    y: tuple[Finite, Finite]
+    friction: Positive
+    torsional_friction: Positive
+    minimum_force: NonNegative
+
+
+class ComTaskFile(Section):
+    """Centre-of-mass task: gains and weights per axis, world axes.
+
+    Attributes:
+        type: Always 'com'.
+        name: Name of the task.
+        axes: Controlled axes.
+        P: Stiffness [1/s^2].
+        D: Damping [1/s].
+        W: Weight [(m/s^2)^-2].
+    """
+
+    type: Literal["com"]
+    name: Name
+    axes: tuple[Literal["x", "y", "z"], ...] = COM_AXES  # type: ignore[assignment]
+    P: NonNegative
+    D: NonNegative
+    W: NonNegative
+
+
+class FrameTaskFile(Section):
+    """Task on a frame of the URDF: gains and weights, world axes.
+
+    Attributes:
+        type: Always 'frame'.
+        name: Name of the task.
+        frame: The frame.
+        axes: Controlled axes, translations x y z and rotations rx ry rz.
+        P: Stiffness [1/s^2].
+        D: Damping [1/s].
+        W: Weight [(m/s^2)^-2 or (rad/s^2)^-2].
+    """
+
+    type: Literal["frame"]
+    name: Name
+    frame: str
+    axes: tuple[Literal["x", "y", "z", "rx", "ry", "rz"], ...] = FRAME_AXES  # type: ignore[assignment]
+    P: NonNegative
+    D: NonNegative
+    W: NonNegative
+
+
+class PostureFile(Section):
+    """Posture in the null space of tasks and contacts.
+
+    Attributes:
+        P: Stiffness P_q [1/s^2].
+        D: Damping D_q [1/s].
+        W: Weight W_q [(rad/s^2)^-2].
+    """
+
+    P: NonNegative
+    D: NonNegative
+    W: NonNegative
+
+
+class RegularizationFile(Section):
+    """Weights that make the optimum unique.
+
+    Attributes:
+        force: Weight of contact forces about lambda_des [1/N^2].
+        moment: Weight of contact moments about lambda_des [1/(N m)^2].
+        acceleration: Weight of all accelerations about zero.
+    """
+
+    force: Positive
+    moment: Positive
+    acceleration: Positive
+
+
+class LimitsFile(Section):
+    """Limits beyond those of the URDF.
+
+    Attributes:
+        acceleration: Bound of |joint acceleration| [rad/s^2].
+    """
+
+    acceleration: Positive
+
+
+class SafeTorqueFile(Section):
+    """What a failed tick answers with.
+
+    Attributes:
+        D: Joint damping [N m s/rad].
+    """
+
+    D: NonNegative
+
+
+class HardwareFile(Section):
+    """What a real robot has and a rigid-body simulation has not.
+
+    Every effect is off in a simulation unless it is asked for by name.
+
+    Attributes:
+        armature: Rotor inertia as the joint feels it [kg m^2].
+        viscous_friction: [N m s/rad].
+        coulomb_friction: [N m].
+        torque_lag: Time constant of the torque's first-order lag [s].
+        torque_delay: From command to torque, before the lag [s].
+        encoder_resolution: Step of the joint encoders [rad].
+        encoder_noise: Standard deviation, white [rad].
+        velocity_filter: Time constant of the low pass behind the
+            differencing of joint positions [s].
+    """
+
+    armature: NonNegative
+    viscous_friction: NonNegative
+    coulomb_friction: NonNegative
+    torque_lag: NonNegative
+    torque_delay: NonNegative
+    encoder_resolution: NonNegative
+    encoder_noise: NonNegative
+    velocity_filter: NonNegative
+
+
+class MotionFile(BaseModel):
+    """What this robot can do of one motion: ranges of its parameters, by name.
+
+    Attributes:
+        task: Name of the task that carries it; the motion chooses one if left out.
+    """
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+    __pydantic_extra__: dict[str, tuple[Finite, Finite]]
+
+    task: Name | None = None
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """(low, high) by name of the parameter, SI units."""
+        return dict(self.__pydantic_extra__)
