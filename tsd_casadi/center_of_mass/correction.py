@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +59,11 @@ class CenterOfMassCorrection:
         self._corrected = self._chain.model_with(self.terms)
         self._corrected_data = self._corrected.createData()
         self._model, self._data = robot.model, robot.model.createData()
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Hash of the terms: what was learned with one correction is not that of another."""
+        return hashlib.sha256(np.round(self.terms, 12).tobytes()).hexdigest()[:16]
 
     def center_of_mass(self, q: Vector) -> Vector:
         """Compute the corrected centre of mass of a configuration, (3,) [m], world frame.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,8 @@ import numpy as np
 from tsd_casadi.encoding.laps import fit_laps
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import IncompatibleEntry
+from tsd_casadi.learning.axis_error import unit_of_axis
+from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.feedback_loop import find_loop
@@ -19,9 +21,10 @@ from tsd_casadi.learning.iteration import Iteration
 from tsd_casadi.learning.iterative_learning import design_filters
 from tsd_casadi.learning.learning_filter import LearningFilter
 from tsd_casadi.learning.observed_contraction import last_observed, observe_contractions
-from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.recording import Recording
 from tsd_casadi.learning.rules.guarded import Guarded
 from tsd_casadi.learning.rules.rule import Rule
+from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.state import Matrix
 
 SAME_WEIGHTS = 1e-12  # m/s^2
@@ -34,7 +37,8 @@ class Entry:
     Attributes:
         key: What it is for.
         basis: The basis of all its weights.
-        context: Circumstances of the newest recording.
+        circumstances: Of the newest recording.
+        declaration: What is said of the motion; None if nobody did.
         iterations: In the order in which they were made.
         learning_gain: Share of the change that is made next, as the rules set it.
         rule: The rule of the newest recording.
@@ -44,7 +48,8 @@ class Entry:
 
     key: EntryKey
     basis: PeriodicBasis
-    context: Context
+    circumstances: Circumstances
+    declaration: Declaration | None = None
     iterations: list[Iteration] = field(default_factory=list)
     learning_gain: float = 1.0
     rule: Rule = field(default_factory=Guarded)
@@ -57,7 +62,7 @@ class Entry:
 
         Errors at other gains say nothing about the weights.
         """
-        comparable = [item for item in self.iterations if item.gains == self.context.gains]
+        comparable = [item for item in self.iterations if item.gains == self.circumstances.gains]
         return min(comparable or self.iterations, key=lambda iteration: iteration.error)
 
     @property
@@ -72,11 +77,13 @@ class Entry:
             "entries": [self.identifier],
             "iteration": served.number,
             "tested": served.errors is not None,
-            "errors": served.errors,
-            "gains": self.context.gains,
-            "formulation": self.context.formulation,
-            "model": self.context.model,
-            "version": self.context.version,
+            "errors": None
+            if served.errors is None
+            else {axis: error.plain() for axis, error in served.errors.items()},
+            "gains": self.circumstances.gains,
+            "context": asdict(self.key.context),
+            "epoch": served.epoch,
+            "version": self.circumstances.version,
             "updated": self.updated,
         }
         return Feedforward(
@@ -101,11 +108,12 @@ class Entry:
 
         Raises:
             InvalidValue: If the recording lacks what the rule needs.
-            IncompatibleEntry: If basis or formulation differ from the entry's.
+            IncompatibleEntry: If the basis differs from the entry's.
         """
         instruction.rule.check(recording)
         notes = self._compare(recording)
-        self.context = recording.context
+        self.circumstances = recording.circumstances
+        self.declaration = recording.declaration or self.declaration
         self.rule = instruction.rule
         used = self._find(recording.applied)
         is_first_test = used.errors is None
@@ -117,7 +125,7 @@ class Entry:
         if not goes_on:
             notes.append(
                 f"iteration {used.number} is worse than iteration {best.number} "
-                f"({1e3 * used.error:.4g} mm against {1e3 * best.error:.4g} mm RMS): "
+                f"({_told(used)} against {_told(best)}): "
                 f"serving {best.number} again, learning gain now {self.learning_gain:g}"
             )
         elif instruction.update:
@@ -134,7 +142,7 @@ class Entry:
         Empty while no iteration was tested with known position errors, or if
         nobody said at which frequency, P and D.
         """
-        loop = find_loop(self.key.axes, dict(self.key.parameters), self.context.gains)
+        loop = find_loop(self.key.axes, dict(self.key.parameters), self.circumstances.gains)
         tests = self._tests(self.best) if self.iterations else []
         repetitions = [test.repetition for test in tests if test.repetition is not None]
         return design_filters(repetitions, self.basis, *loop) if loop and repetitions else ()
@@ -171,7 +179,7 @@ class Entry:
         Returns:
             What its feedback added, fitted, (k, L) [m/s^2].
         """
-        used.errors, used.gains = dict(recording.errors), recording.context.gains
+        used.errors, used.circumstances = dict(recording.errors), recording.circumstances
         fitted = fit_laps(recording.laps, self.basis)
         used.feedback = fitted.feedback
         # those of an earlier test of the same weights do not go with the new gains
@@ -180,7 +188,7 @@ class Entry:
 
     def _tests(self, last: Iteration) -> list[Iteration]:
         """List the iterations tested at the newest gains, the one to go on from at the end."""
-        tested = [item for item in self.iterations if item.gains == self.context.gains]
+        tested = [item for item in self.iterations if item.gains == self.circumstances.gains]
         return [*(item for item in tested if item is not last), last]
 
     def _find(self, applied: Matrix) -> Iteration:
@@ -200,21 +208,18 @@ class Entry:
                 f"{self.basis.width:g}, the recording one of L = {recording.basis.L}, width "
                 f"{recording.basis.width:g}; use the same basis, or restart the entry"
             )
-        if recording.context.formulation != self.context.formulation:
-            raise IncompatibleEntry(
-                f"the entry {self.key.describe()} was learned with formulation "
-                f"{self.context.formulation}, the recording has "
-                f"{recording.context.formulation}; restart the entry"
-            )
         notes = []
-        if recording.context.gains != self.context.gains:
+        if recording.circumstances.gains != self.circumstances.gains:
             notes.append(
-                f"gains differ from the entry's: {recording.context.gains} against "
-                f"{self.context.gains}"
-            )
-        if recording.context.model != self.context.model:
-            notes.append(
-                f"the controller's model is {recording.context.model}, the entry was learned "
-                f"with {self.context.model}"
+                f"gains differ from the entry's: {recording.circumstances.gains} against "
+                f"{self.circumstances.gains}"
             )
         return notes
+
+
+def _told(iteration: Iteration) -> str:
+    """RMS errors by axis for people: 'com.z 0.12 mm, torso.rz 0.3 mrad'."""
+    return ", ".join(
+        f"{axis} {1e3 * error.rms:.4g} m{unit_of_axis(axis)}"
+        for axis, error in (iteration.errors or {}).items()
+    )

@@ -54,7 +54,7 @@ class Feedforward:
         return cls(axes, basis, nothing, nothing, "none")
 
     def over(self, axes: tuple[str, ...]) -> Feedforward:
-        """The same along other axes: zero along those that it does not know."""
+        """Give the same along other axes: zero along those that it does not know."""
         if axes == self.axes:
             return self
         known = {axis: index for index, axis in enumerate(self.axes)}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
+from tsd_casadi.learning.axis_error import AxisError, rank
+from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.state import Matrix
 
 
@@ -30,8 +31,10 @@ class Iteration:
     Attributes:
         number: 0 for no feedforward, then counting up.
         weights: (k, L) [m/s^2].
-        errors: Measures of the repetition that used them, None while untested.
-        gains: The gains of that repetition.
+        errors: Measures of the repetition that used them by axis, None while untested.
+        circumstances: How that repetition was made.
+        epoch: Counts how often the robot has changed before it.
+        uncertainty: Standard deviation of the weights, (k, L); None if unknown.
         feedback: What its feedback added, fitted, (k, L) [m/s^2].
         error_weights: Its position error, fitted, (k, L) [m]; None if unknown.
         reference_weights: Its reference, fitted, (k, L) [m]; None if unknown.
@@ -41,17 +44,27 @@ class Iteration:
 
     number: int
     weights: Matrix
-    errors: dict[str, float] | None = None
-    gains: dict[str, Any] | None = None
+    errors: dict[str, AxisError] | None = None
+    circumstances: Circumstances | None = None
     feedback: Matrix | None = None
     error_weights: Matrix | None = None
     reference_weights: Matrix | None = None
     learned_from: int | None = None
+    epoch: int = 0
+    uncertainty: Matrix | None = None
+
+    @property
+    def gains(self) -> dict[str, list[float]] | None:
+        """P and D of the axes in the repetition that used them."""
+        return None if self.circumstances is None else self.circumstances.gains
 
     @property
     def error(self) -> float:
-        """RMS error of the repetition that used them [m]; infinite if untested."""
-        return self.errors["rms_error_m"] if self.errors else float("inf")
+        """By which iterations are ranked [m/s^2, rad/s^2], see ``rank``; infinite if untested."""
+        if self.errors is None:
+            return float("inf")
+        P = (self.gains or {}).get("P") or [1.0] * len(self.errors)
+        return rank(self.errors, P)
 
     @property
     def repetition(self) -> FittedRepetition | None:

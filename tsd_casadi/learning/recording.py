@@ -3,32 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.learning.axis_error import AxisError
+from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.entry_key import EntryKey
+from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.state import Matrix
-
-
-@dataclass(frozen=True)
-class Context:
-    """Under what circumstances a recording was made.
-
-    Attributes:
-        formulation: Layout hash of the controller, hexadecimal.
-        model: Fingerprint of the controller's robot description.
-        gains: Gains of the learned axes, by field name.
-        version: Version of this software.
-    """
-
-    formulation: str
-    model: str
-    gains: dict[str, Any]
-    version: str
 
 
 @dataclass(frozen=True)
@@ -40,16 +25,18 @@ class Recording:
         basis: The basis of the applied weights.
         applied: Weights of the feedforward in use, (k, L) [m/s^2].
         laps: Whole steady laps with the feedback term.
-        errors: Measures of the repetition; 'rms_error_m' decides what is worse.
-        context: Circumstances.
+        errors: Measures of the repetition, one for each axis of the key, in its order.
+        circumstances: How the repetition was made.
+        declaration: What is said of the motion; None if nobody did.
     """
 
     key: EntryKey
     basis: PeriodicBasis
     applied: Matrix
     laps: list[Lap]
-    errors: dict[str, float]
-    context: Context
+    errors: dict[str, AxisError]
+    circumstances: Circumstances
+    declaration: Declaration | None = None
 
     def __post_init__(self) -> None:
         """Refuse numbers that nothing can be learned from.
@@ -58,8 +45,15 @@ class Recording:
             InvalidValue: If weights, laps or errors are not finite or of the wrong
                 shape, or laps are missing.
         """
-        if not np.isfinite(self.errors.get("rms_error_m", np.nan)):
-            raise InvalidValue("rms_error_m", self.errors.get("rms_error_m"), "a number of metres")
+        if tuple(self.errors) != self.key.axes:
+            raise InvalidValue(
+                "errors",
+                f"of {', '.join(self.errors) or 'no axis'}",
+                f"of {', '.join(self.key.axes)}",
+            )
+        for axis, error in self.errors.items():
+            if not (np.isfinite(error.rms) and error.rms >= 0):
+                raise InvalidValue(f"RMS error of {axis}", error.rms, "a number not below 0")
         if not self.laps:
             raise InvalidValue("laps", "none", "at least one whole steady lap")
         k = len(self.key.axes)

@@ -32,9 +32,9 @@ class Circle(Motion):
     name = "circle"
 
     def axes(self, robot: Robot) -> tuple[str, ...]:
-        """Both horizontal axes of the centre of mass."""
+        """Name both horizontal axes of the centre of mass."""
         return tuple(robot.axis_for(self.name, "com", axis) for axis in "xy")
 
     def offset(self, phase: float) -> Offset:
-        """A (cos phi, sin phi)."""
+        """Compute A (cos phi, sin phi)."""
         return sinusoid(self.amplitude, phase, (math.pi / 2, 0.0))

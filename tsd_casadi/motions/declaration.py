@@ -25,11 +25,11 @@ class Declaration:
     parameters: tuple[Parameter, ...]
 
     def unit_of(self, name: str) -> str:
-        """Unit of a parameter; empty if it is none of this motion."""
+        """Tell the unit of a parameter; empty if it is none of this motion."""
         return next((item.unit for item in self.parameters if item.name == name), "")
 
     def complete(self, given: Mapping[str, float]) -> dict[str, float]:
-        """All parameters, checked, those with a default filled in.
+        """Check the parameters, and fill in those with a default.
 
         Args:
             given: By name, SI units.

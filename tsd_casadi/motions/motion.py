@@ -70,19 +70,19 @@ class Motion(abc.ABC):
 
     @abc.abstractmethod
     def axes(self, robot: Robot) -> tuple[str, ...]:
-        """Names 'task.axis' of the axes that move, k of them."""
+        """Give the names 'task.axis' of the axes that move, k of them."""
 
     @abc.abstractmethod
     def offset(self, phase: float) -> Offset:
-        """Where they are at a phase [rad], in the order of ``axes``."""
+        """Compute where they are at a phase [rad], in the order of ``axes``."""
 
     def middle(self, robot: Robot) -> State:
-        """The posture that the motion is about, at rest; home unless it says otherwise."""
+        """Compute the posture that the motion is about, at rest; home unless it says otherwise."""
         return robot.home
 
     @classmethod
     def declaration(cls) -> Declaration:
-        """Name, version and parameters as data."""
+        """Describe name, version and parameters as data."""
         return Declaration(cls.name, cls.version, declared_parameters(cls))
 
     @property
@@ -93,7 +93,7 @@ class Motion(abc.ABC):
         }
 
     def reference(self, elapsed: float) -> Reference:
-        """Reference after some phase since the start.
+        """Compute the reference after some phase since the start.
 
         Args:
             elapsed: phi minus the starting phase [rad]; the middle before 0.
@@ -115,7 +115,7 @@ class Motion(abc.ABC):
 
 
 def declared_parameters(motion: type[Motion]) -> tuple[Parameter, ...]:
-    """The parameters of a motion's class, in its order."""
+    """List the parameters of a motion's class, in its order."""
     return tuple(
         dataclasses.replace(field.metadata["parameter"], name=field.name)
         for field in dataclasses.fields(motion)  # type: ignore[arg-type]

@@ -50,7 +50,7 @@ def parameter(
     high: float = LARGEST,
     extent: bool = False,
 ) -> Any:
-    """A field of a motion's class that is one of its parameters; see ``Parameter``."""
+    """Declare a field of a motion's class as one of its parameters; see ``Parameter``."""
     declared = Parameter("", unit, meaning, default, low, high, extent)
     value = dataclasses.MISSING if default is None else default
-    return dataclasses.field(default=value, metadata={"parameter": declared})  # type: ignore[call-overload]
+    return dataclasses.field(default=value, metadata={"parameter": declared})

@@ -27,7 +27,7 @@ FREQUENCIES = (0.05, 1.0)
 
 
 def range_of(robot: Robot, kind: type[Motion], item: Parameter) -> tuple[float, float]:
-    """Range of a parameter on a robot, the other parameters at their defaults.
+    """Find the range of a parameter on a robot, the other parameters at their defaults.
 
     Args:
         kind: The motion's class.
@@ -67,7 +67,7 @@ def check_motion(robot: Robot, motion: Motion) -> None:
 
 @cache
 def _largest_extent(robot: Robot, kind: type[Motion], name: str) -> float:
-    """Largest value of a parameter at which a whole lap can be reached."""
+    """Find the largest value of a parameter at which a whole lap can be reached."""
     low, high = 0.0, LARGEST_EXTENT
     while high - low > RESOLUTION * max(high, 1e-3):
         middle = 0.5 * (low + high)

@@ -10,7 +10,7 @@ from tsd_casadi.motions.motion import Offset
 
 
 def sinusoid(amplitude: float, phase: float, lead: Sequence[float] = (0.0,)) -> Offset:
-    """A sin(phi + lead) on each axis.
+    """Compute A sin(phi + lead) on each axis.
 
     Args:
         amplitude: A [m, rad].

@@ -36,13 +36,13 @@ class Squat(Motion):
     start_phase = math.pi
 
     def axes(self, robot: Robot) -> tuple[str, ...]:
-        """The vertical axis of the centre of mass."""
+        """Name the vertical axis of the centre of mass."""
         return (robot.axis_for(self.name, "com", "z"),)
 
     def middle(self, robot: Robot) -> State:
-        """The posture in the middle of the motion, at rest."""
+        """Compute the posture in the middle of the motion, at rest."""
         return stand(robot, self.height)
 
     def offset(self, phase: float) -> Offset:
-        """A sin phi."""
+        """Compute A sin phi."""
         return sinusoid(self.amplitude, phase)

@@ -28,9 +28,9 @@ class Sway(Motion):
     name = "sway"
 
     def axes(self, robot: Robot) -> tuple[str, ...]:
-        """One horizontal axis of the centre of mass."""
+        """Name one horizontal axis of the centre of mass."""
         return (robot.axis_for(self.name, "com", "y"),)
 
     def offset(self, phase: float) -> Offset:
-        """A sin phi."""
+        """Compute A sin phi."""
         return sinusoid(self.amplitude, phase)

@@ -28,9 +28,9 @@ class Twist(Motion):
     name = "twist"
 
     def axes(self, robot: Robot) -> tuple[str, ...]:
-        """The frame's rotation about z."""
+        """Name the frame's rotation about z."""
         return (robot.axis_for(self.name, "frame", "rz", prefer="torso"),)
 
     def offset(self, phase: float) -> Offset:
-        """A sin phi."""
+        """Compute A sin phi."""
         return sinusoid(self.amplitude, phase)

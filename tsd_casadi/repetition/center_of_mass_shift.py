@@ -23,6 +23,7 @@ class CenterOfMassShift(Compensator):
             correction: Of the robot that will move.
         """
         self._correction = correction
+        self.correction = correction.fingerprint
 
     def start(self, setting: Setting) -> None:
         """Refuse another robot's correction, or a task that is no centre of mass.
@@ -38,9 +39,8 @@ class CenterOfMassShift(Compensator):
                 f"{corrected.name} ({corrected.fingerprint})",
                 f"{robot.name} ({robot.fingerprint})",
             )
-        kinds = {task.name: task.type for task in robot.description.tasks}
-        if kinds[setting.task] != "com":
-            raise InvalidValue("task", setting.task, "one of the centre of mass")
+        if not any(task.type == "com" for task in robot.description.tasks):
+            raise InvalidValue("tasks", "none of the centre of mass", "one that can be corrected")
 
     def before(self, moment: Moment) -> None:
         """Shift position and velocity."""

@@ -39,7 +39,7 @@ class Setting:
     period: float
 
     def gain(self, command: Command, name: str) -> Vector:
-        """A gain of every axis.
+        """Read a gain of every axis.
 
         Args:
             name: 'P' or 'D'.
@@ -108,26 +108,29 @@ class Compensator:
     Attributes:
         veto: Why the feedforward is no longer in use, for people; None while it is.
             What ran under a veto is recorded as run without feedforward.
+        correction: Fingerprint of the estimated centre of mass that it brings in;
+            empty if it brings none. What is learned with it is another entry.
     """
 
     veto: str | None = None
+    correction: str = ""
 
     def start(self, setting: Setting) -> None:
-        """Called once at the start of each repetition, before its first tick.
+        """Begin: called once at the start of each repetition, before its first tick.
 
         Args:
             setting: What it is about.
         """
 
     def before(self, moment: Moment) -> None:
-        """Called before each tick.
+        """Act before each tick.
 
         Args:
             moment: The tick, without its answer.
         """
 
     def after(self, moment: Moment) -> None:
-        """Called after each tick, before its torque is applied.
+        """Act after each tick, before its torque is applied.
 
         Args:
             moment: The tick with its answer.

@@ -13,6 +13,7 @@ feedforward, so that u makes tracking worse than none when
 
 .. math:: \sum e^2 > \sum (e + e_u)^2 .
 
+Squares are summed over the learned axes, each times its stiffness.
 That is decided over a whole lap, and after half a lap already where the left
 side is three times the right one. The feedforward is then faded out for the
 rest of the repetition.
@@ -23,7 +24,10 @@ from __future__ import annotations
 import math
 from collections import deque
 
+import numpy as np
+
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
+from tsd_casadi.state import Vector
 
 FADE = 0.2  # s
 # of squared errors: below it there is nothing to judge
@@ -44,40 +48,54 @@ class FeedforwardGate(Compensator):
         """Start with the feedforward in use."""
         self.dropped_at: float | None = None
 
+    @property
+    def veto(self) -> str | None:  # type: ignore[override]
+        """Why the feedforward is no longer in use."""
+        if self.dropped_at is None:
+            return None
+        return (
+            f"the feedforward was dropped at {self.dropped_at:.2f} s: tracking was worse with it "
+            "than without"
+        )
+
     def start(self, setting: Setting) -> None:
-        """Note which axis is learned; a repetition starts with the feedforward in use."""
+        """Note which axes are learned; a repetition starts with the feedforward in use."""
         self.dropped_at = None
-        self._axis, self._component = setting.axis, setting.component
-        self._task, self._dt = setting.task, setting.dt
+        self._setting, self._index = setting, setting.index[: setting.learned]
         self._windows = (_Window(math.pi, CLEARLY_WORSE), _Window(2 * math.pi, 1.0))
         # e_u and its rate, and u as it left here: others may add to it
-        self._moved = self._rate = self._u = 0.0
+        self._moved, self._rate, self._u = np.zeros((3, setting.learned))
 
     def before(self, moment: Moment) -> None:
         """Fade the feedforward out once it is dropped."""
         if self.dropped_at is not None:
             left = 1 - (moment.time - self.dropped_at) / FADE
             moment.feedforward *= max(left, 0.0)
-        self._u = moment.feedforward
+        self._u = moment.feedforward[: self._setting.learned].copy()
 
     def after(self, moment: Moment) -> None:
         """Judge what was seen so far; the hold before the motion is not judged."""
         if self.dropped_at is not None or moment.tick is None:
             return
+        P, D = (self._setting.gain(moment.command, gain)[: len(self._u)] for gain in "PD")
         if moment.lap >= 0:
-            error = float(moment.tick.error[self._axis])
-            squares = error**2, (error + self._moved) ** 2
-            # both windows have to see every tick
-            worse = [window.add(moment.phase, *squares) for window in self._windows]
-            if any(worse):
-                self.dropped_at = moment.time
-        self._advance(moment)
+            error, scale = moment.tick.error[self._index], _square(P)
+            if scale > 0:
+                # axes count as the feedback counts them
+                squares = (_square(P * each) / scale for each in (error, error + self._moved))
+                # both windows have to see every tick
+                with_it, without_it = squares
+                worse = [w.add(moment.phase, with_it, without_it) for w in self._windows]
+                if any(worse):
+                    self.dropped_at = moment.time
+        self._rate = self._rate + self._setting.period * (
+            self._u - D * self._rate - P * self._moved
+        )
+        self._moved = self._moved + self._setting.period * self._rate
 
-    def _advance(self, moment: Moment) -> None:
-        P, D = (float(moment.command[f"{self._task}.{gain}"][self._component]) for gain in "PD")
-        acceleration = self._u - D * self._rate - P * self._moved
-        self._rate += self._dt * acceleration
-        self._moved += self._dt * self._rate
+
+def _square(values: Vector) -> float:
+    return float(values @ values)
 
 
 class _Window:

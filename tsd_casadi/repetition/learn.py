@@ -7,6 +7,7 @@ from typing import Protocol
 
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue
+from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.instruction import Instruction
@@ -14,39 +15,18 @@ from tsd_casadi.learning.recording import Recording
 from tsd_casadi.learning.rules.by_name import find_rule
 from tsd_casadi.learning.rules.rule import RuleName
 from tsd_casadi.motions.motion import Motion
+from tsd_casadi.motions.ranges import check_motion
 from tsd_casadi.repetition.compensator import Compensator
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.gains import UNCHANGED, Gains
-from tsd_casadi.repetition.record import record_of
-from tsd_casadi.repetition.repetition import Progress
+from tsd_casadi.repetition.observer import Observer
+from tsd_casadi.repetition.plant import Plant
+from tsd_casadi.repetition.record import context_of, record_of
+from tsd_casadi.repetition.repetition import Progress, repeat, usual_axes
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot.robot import Robot
 
 # of the error: smaller gains are not worth another repetition
 WORTHWHILE = 0.02
-
-
-class Simulator(Protocol):
-    """Something that can repeat a motion."""
-
-    @property
-    def robot(self) -> Robot:
-        """The robot as its files describe it."""
-
-    def run(
-        self,
-        controller: WholeBodyController,
-        motion: Motion,
-        *,
-        laps: int,
-        feedforward: Feedforward | None,
-        gains: Gains,
-        compensators: Sequence[Compensator],
-        seed: int,
-        transport: str,
-        progress: Progress | None,
-    ) -> Run:
-        """Repeat once, from standing still to steady laps."""
 
 
 class Learned(Protocol):
@@ -68,6 +48,8 @@ class Learner(Protocol):
         robot: str,
         kind: str | None = None,
         extrapolate: bool = False,
+        axes: Sequence[str] | None = None,
+        context: Context | None = None,
         **parameters: float,
     ) -> Feedforward:
         """Tell the feedforward for some parameters of a motion."""
@@ -77,11 +59,12 @@ class Learner(Protocol):
 
 
 def learn(
-    simulator: Simulator,
+    plant: Plant,
     controller: WholeBodyController,
     motions: Sequence[Motion],
     learner: Learner,
     *,
+    axes: Sequence[str] | None = None,
     iterations: int = 1,
     patience: int | None = None,
     first: Feedforward | None = None,
@@ -90,6 +73,7 @@ def learn(
     laps: int = 3,
     gains: Gains = UNCHANGED,
     compensators: Sequence[Compensator] = (),
+    observers: Sequence[Observer] = (),
     seed: int | Sequence[int] = 0,
     transport: str = "local",
     progress: Callable[[Motion, int], Progress | None] | None = None,
@@ -105,6 +89,7 @@ def learn(
     Args:
         motions: What to learn, one after another.
         learner: Database or learner service.
+        axes: What is learned, 'task.axis'; see ``usual_axes``.
         iterations: Learning iterations for each motion.
         patience: Stop a motion after so many iterations in a row without an
             error that is noticeably smaller; never by default.
@@ -140,41 +125,44 @@ def learn(
         raise InvalidValue("seeds", len(seeds), f"one, or one for each of {iterations + 1} runs")
     known_rule = find_rule(rule)
     for motion in motions:
-        motion.check(simulator.robot)
+        check_motion(plant.robot, motion)
+    correction = "".join(item.correction for item in compensators)
+    context = context_of(plant.robot, correction)
     runs = []
     for motion in motions:
+        learned = tuple(usual_axes(plant.robot, motion) if axes is None else axes)
         errors: list[float] = []
         for index in range(iterations + 1):
             fresh = restart and index == 0
-            feedforward = None if fresh else _served(learner, simulator.robot.name, motion)
+            feedforward = (
+                None if fresh else _served(learner, plant.robot.name, motion, learned, context)
+            )
             gate = FeedforwardGate()
             gates = []
             if index == 0 and feedforward is None and first is not None:
                 feedforward, gates = first, [gate]
-            run = simulator.run(
+            run = repeat(
+                plant,
                 controller,
                 motion,
+                axes=learned,
                 laps=laps,
                 feedforward=feedforward,
                 gains=gains,
                 # the gate before what adds to the feedforward: it is about the borrowed one
                 compensators=[*gates, *compensators],
+                observers=observers,
                 seed=seeds[index],
                 transport=transport,
                 progress=progress(motion, index) if progress is not None else None,
             )
-            errors.append(run.rms_error)
+            errors.append(run.rank)
             is_last = index == iterations or _has_converged(errors, patience)
             # what nobody is going to test is not served
             instruction = Instruction(known_rule, update=not is_last, restart=fresh)
-            recording = record_of(run, simulator.robot, controller)
+            recording = record_of(run, plant.robot, correction)
             entry, notes = learner.record(recording, instruction)
-            if gate.dropped_at is not None:
-                notes = [
-                    f"the first feedforward was dropped at {gate.dropped_at:.2f} s: tracking was "
-                    "worse with it than without",
-                    *notes,
-                ]
+            notes = [*run.vetoes, *_about_axes(feedforward, learned), *notes]
             if on_run is not None:
                 on_run(run, notes)
             runs.append(run)
@@ -192,10 +180,23 @@ def _has_converged(errors: list[float], patience: int | None) -> bool:
     return min(errors[-patience:]) > (1 - WORTHWHILE) * min(errors[:-patience])
 
 
-def _served(learner: Learner, robot: str, motion: Motion) -> Feedforward | None:
+def _served(
+    learner: Learner, robot: str, motion: Motion, axes: tuple[str, ...], context: Context
+) -> Feedforward | None:
     try:
         return learner.query(
-            motion.name, robot=robot, kind="learned", extrapolate=False, **motion.parameters
+            motion.name,
+            robot=robot,
+            kind="learned",
+            extrapolate=False,
+            axes=axes,
+            context=context,
+            **motion.parameters,
         )
     except EntryNotFound:
         return None
+
+
+def _about_axes(feedforward: Feedforward | None, axes: Sequence[str]) -> list[str]:
+    missing = [axis for axis in axes if feedforward is not None and axis not in feedforward.axes]
+    return [f"nothing was learned along {', '.join(missing)} yet: zero there"] if missing else []

@@ -17,16 +17,16 @@ class Observer(Protocol):
     """
 
     def start(self, setting: Setting) -> None:
-        """A repetition begins."""
+        """Learn that a repetition begins."""
 
     def tick(self, moment: Moment) -> None:
-        """A tick was answered and its torque is being applied."""
+        """Learn that a tick was answered and its torque is being applied."""
 
     def lap(self, lap: Lap) -> None:
-        """A whole lap is over."""
+        """Learn that a whole lap is over."""
 
     def end(self, outcome: str) -> None:
-        """The repetition is over: 'steady', 'never steady', 'fell' or 'aborted'."""
+        """Learn that the repetition is over: 'steady', 'never steady', 'fell' or 'aborted'."""
 
 
 class Glimpses:
@@ -43,7 +43,7 @@ class Glimpses:
         self._setting: Setting | None = None
 
     def start(self, setting: Setting) -> None:
-        """A repetition begins; what is left of the one before stays."""
+        """Learn that a repetition begins; what is left of the one before stays."""
         self._setting = setting
 
     def tick(self, moment: Moment) -> None:
@@ -65,11 +65,11 @@ class Glimpses:
         )
 
     def lap(self, lap: Lap) -> None:
-        """Nothing to note."""
+        """Note nothing."""
 
     def end(self, outcome: str) -> None:
-        """Nothing to note."""
+        """Note nothing."""
 
     def take(self) -> list[dict[str, Any]]:
-        """What came since the last time, the oldest first."""
+        """Hand over what came since the last time, the oldest first."""
         return [self._kept.popleft() for _ in range(len(self._kept))]

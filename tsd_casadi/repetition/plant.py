@@ -41,7 +41,7 @@ class Plant(abc.ABC):
     position_time: float = 0.0
     velocity_time: float = 0.0
 
-    def start(self, posture: State, seed: int = 0) -> None:
+    def start(self, posture: State, seed: int = 0) -> None:  # noqa: B027
         """Bring the robot to rest in a posture before a repetition begins.
 
         Args:
@@ -51,7 +51,7 @@ class Plant(abc.ABC):
 
     @abc.abstractmethod
     def measure(self) -> State:
-        """The state as the sensors tell it now."""
+        """Read the state as the sensors tell it now."""
 
     @abc.abstractmethod
     def apply(self, tau: Vector) -> None:
@@ -62,9 +62,9 @@ class Plant(abc.ABC):
         """
 
     def truth(self) -> Truth | None:
-        """The truth at the last measurement, where somebody knows it."""
+        """Tell the truth at the last measurement, where somebody knows it."""
         return None
 
     def settings(self) -> dict[str, Any]:
-        """What a record of a repetition should say about it, plain data."""
+        """Describe the plant for the records, plain data."""
         return {}

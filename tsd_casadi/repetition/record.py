@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import SimulationError
+from tsd_casadi.learning.circumstances import Circumstances
+from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.entry_key import EntryKey
-from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.recording import Recording
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.version import __version__
@@ -16,12 +15,13 @@ from tsd_casadi.version import __version__
 def record_of(
     run: Run,
     robot: Robot,
-    controller: WholeBodyController,
+    correction: str = "",
 ) -> Recording:
     """Record what a run leaves behind for learning: its steady laps.
 
     Args:
         robot: As its controller believes it.
+        correction: Fingerprint of the estimated centre of mass; empty for none.
 
     Raises:
         SimulationError: If it fell or never settled.
@@ -44,24 +44,28 @@ def record_of(
             "nothing was recorded. Try a larger P or a slower motion"
         )
     return Recording(
-        key=EntryKey.of(run.robot, run.motion.name, run.feedforward.axes, run.motion.parameters),
+        key=EntryKey.of(
+            run.robot,
+            run.motion.name,
+            run.motion.version,
+            run.feedforward.axes,
+            run.motion.parameters,
+            context_of(robot, correction),
+        ),
         basis=run.feedforward.basis,
         applied=run.feedforward.weights,
         laps=run.laps,
-        errors=run.errors(),
-        context=Context(
-            formulation=f"{controller.format.layout_hash:016x}",
-            model=robot.fingerprint,
-            gains=_learned_gains(run, controller),
-            version=__version__,
-        ),
+        errors=run.errors,
+        circumstances=Circumstances(run.gains, run.settings, __version__),
+        declaration=run.motion.declaration(),
     )
 
 
-def _learned_gains(run: Run, controller: WholeBodyController) -> dict[str, Any]:
-    """Pick P and D of the learned axes, W of the whole task."""
-    components = [
-        controller.format.component_index(*axis.split(".")) for axis in run.feedforward.axes
-    ]
-    learned = {name: [run.gains[name][i] for i in components] for name in ("P", "D")}
-    return {**learned, "W": run.gains["W"]}
+def context_of(robot: Robot, correction: str = "") -> Context:
+    """Tell in which context something is learned on a robot.
+
+    Args:
+        robot: As its controller believes it.
+        correction: Fingerprint of the estimated centre of mass; empty for none.
+    """
+    return Context(robot.body_fingerprint, robot.formulation_fingerprint, correction)

@@ -10,7 +10,7 @@ import pinocchio
 
 from tsd_casadi.repetition.rotation import angular_motion, multiply, quaternion_of
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file import FRAME_AXES
+from tsd_casadi.robot.robot_file_sections import FRAME_AXES
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.command import Command
 from tsd_casadi.tick.format import TickFormat
@@ -76,7 +76,7 @@ class References:
                 task.shift(offset, rate)
 
     def errors(self, state: State, com: Vector) -> Vector:
-        """What a robot in a known state is off the references, (k,) [m, rad].
+        """Compute what a robot in a known state is off the references, (k,) [m, rad].
 
         Args:
             state: The state.

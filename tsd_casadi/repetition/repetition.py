@@ -42,7 +42,7 @@ Progress = Callable[[float, float], None]
 
 
 def usual_axes(robot: Robot, motion: Motion) -> tuple[str, ...]:
-    """The axes that are learned if nobody says otherwise.
+    """List the axes that are learned if nobody says otherwise.
 
     Those that move and all of the centre of mass, since a wrong model moves
     every one of them.
@@ -181,8 +181,10 @@ class _Repetition:
             index=self._references.index,
             period=plant.period,
         )
-        for watcher in (*compensators, *self._observers):
-            watcher.start(self._setting)
+        for compensator in compensators:
+            compensator.start(self._setting)
+        for observer in self._observers:
+            observer.start(self._setting)
 
     @property
     def outcome(self) -> str:

@@ -25,7 +25,7 @@ SMALL = 1e-2  # rad
 
 
 def quaternion_of(theta: Vector) -> Vector:
-    """Unit quaternion xyzw of a rotation vector, (4,).
+    """Compute the unit quaternion xyzw of a rotation vector, (4,).
 
     Args:
         theta: (3,) [rad].
@@ -36,13 +36,13 @@ def quaternion_of(theta: Vector) -> Vector:
 
 
 def multiply(one: Vector, other: Vector) -> Vector:
-    """Product of two quaternions xyzw: first the other rotation, then the one, (4,)."""
+    """Compute the product of two quaternions xyzw: first the other rotation, then the one, (4,)."""
     x, y = one[:3], other[:3]
     return np.append(one[3] * y + other[3] * x + np.cross(x, y), one[3] * other[3] - x @ y)
 
 
 def angular_motion(theta: Vector, rate: Vector, rate_rate: Vector) -> tuple[Vector, Vector]:
-    """Angular velocity and acceleration in world axes.
+    """Compute angular velocity and acceleration in world axes.
 
     Args:
         theta: Rotation vector, world axes, (3,) [rad].
@@ -64,7 +64,7 @@ def angular_motion(theta: Vector, rate: Vector, rate_rate: Vector) -> tuple[Vect
 
 
 def _coefficients(t: float) -> tuple[float, float, float, float]:
-    """a, b, and their derivatives by t over t."""
+    """Compute a, b, and their derivatives by t over t."""
     if t < SMALL:
         t2 = t * t
         return (

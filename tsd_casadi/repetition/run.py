@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 from tsd_casadi.encoding.laps import Lap
+from tsd_casadi.learning.axis_error import AxisError, rank, unit_of_axis
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.state import Vector
@@ -25,7 +26,7 @@ class Run:
         feedforward: The feedforward in use.
         gains: P and D of the learned axes.
         settings: Model error, p scale, transport, seed.
-        log: One array per quantity, first axis the tick; see ``tick_log``.
+        log: One array per quantity, first axis the tick; see ``LOG_FIELDS``.
         laps: The steady laps with the feedback along the learned axes.
         laps_run: All whole laps.
         steady: Whether the feedback settled; if not, the last two laps are
@@ -49,6 +50,23 @@ class Run:
     vetoes: list[str]
     failures: dict[str, int]
 
+    def __repr__(self) -> str:
+        """Say what was done, with what, and how well."""
+        feedforward = self.feedforward
+        kind, number = feedforward.kind, feedforward.iteration
+        with_what = f"{kind}, iteration {number}" if number else kind
+        what = "".join(f" {name}={value:g}" for name, value in self.motion.parameters.items())
+        if self.fell:
+            outcome = f"fell after {self.ticks} ticks"
+        else:
+            outcome = ", ".join(
+                f"{axis} {1e3 * error.rms:.4f} m{unit_of_axis(axis)}"
+                for axis, error in self.errors.items()
+            ) + ("" if self.steady else ", never steady")
+        return (
+            f"<Run of {self.robot}: {self.motion.name}{what}; feedforward {with_what}; {outcome}>"
+        )
+
     @property
     def ticks(self) -> int:
         """Number of control ticks."""
@@ -64,33 +82,82 @@ class Run:
         return np.asarray(self.log[name][:, self.axes.index(axis)])
 
     def measured(self, name: str) -> Vector:
-        """A quantity in the steady laps, all axes, (N, k)."""
+        """Pick a quantity in the steady laps, all axes, (N, k)."""
         return np.asarray(self.log[name][self.log["measured"]])
 
     @property
-    def axis_errors(self) -> dict[str, dict[str, float]]:
-        """The measures of every learned axis."""
-        found = {}
-        for place, axis in enumerate(self.feedforward.axes):
-            error, true, feedback = (
-                self.measured(name)[:, place] for name in ("error", "true_error", "feedback")
-            )
-            nothing = not len(error)
-            found[axis] = {
-                "rms_error": _rms(error),
-                "peak_error": math.nan if nothing else float(np.max(np.abs(error))),
-                "ac_rms_error": math.nan if nothing else _rms(error - error.mean()),
-                "true_rms_error": _rms(true),
-                "mean_abs_feedback": math.nan if nothing else float(np.mean(np.abs(feedback))),
-            }
-        return found
+    def learned(self) -> tuple[str, ...]:
+        """The axes that are learned."""
+        return self.feedforward.axes
+
+    @property
+    def errors(self) -> dict[str, AxisError]:
+        """The measures of every learned axis; NaN where nothing was measured."""
+        columns = {name: self.measured(name) for name in ("error", "true_error", "feedback")}
+        return {
+            axis: _axis_error(*(values[:, place] for values in columns.values()))
+            for place, axis in enumerate(self.learned)
+        }
 
     @property
     def rank(self) -> float:
-        """By which iterations are ranked: RMS over the axes of P times the RMS error."""
-        errors = [each["rms_error"] for each in self.axis_errors.values()]
-        return _rms(np.array(self.gains["P"]) * np.array(errors))
+        """By which iterations are ranked [m/s^2, rad/s^2]; see ``rank``."""
+        return rank(self.errors, self.gains["P"])
+
+    @property
+    def tick_us(self) -> dict[str, float]:
+        """Round trip of a tick as the client sees it [us]."""
+        times = self.log["tick_us"]
+        return {
+            "p50": float(np.percentile(times, 50)),
+            "p99": float(np.percentile(times, 99)),
+            "max": float(np.max(times)),
+        }
+
+    def summary(self) -> dict[str, Any]:
+        """Tell everything but the log, as plain data for JSON; null where nothing was measured."""
+        return {
+            "robot": self.robot,
+            "motion": self.motion.name,
+            "parameters": self.motion.parameters,
+            **self.settings,
+            "feedforward": self.feedforward.kind,
+            "iteration": self.feedforward.iteration,
+            "gains": self.gains,
+            "errors": {
+                axis: {
+                    "unit": unit_of_axis(axis),
+                    **{
+                        name: None if value is None or math.isnan(value) else value
+                        for name, value in asdict(error).items()
+                    },
+                }
+                for axis, error in self.errors.items()
+            },
+            "rank": None if math.isnan(self.rank) else self.rank,
+            "steady": self.steady,
+            "laps_run": self.laps_run,
+            "laps_measured": len(self.laps),
+            "fell": self.fell,
+            "failures": self.failures,
+            "vetoes": self.vetoes,
+            "ticks": self.ticks,
+            "tick_us": self.tick_us,
+        }
+
+
+def _axis_error(error: Vector, true_error: Vector, feedback: Vector) -> AxisError:
+    if not error.size:
+        return AxisError(math.nan)
+    known = not np.isnan(true_error).any()
+    return AxisError(
+        rms=_rms(error),
+        peak=float(np.max(np.abs(error))),
+        ac_rms=_rms(error - error.mean()),
+        mean_abs_feedback=float(np.mean(np.abs(feedback))),
+        true_rms=_rms(true_error) if known else None,
+    )
 
 
 def _rms(values: Vector) -> float:
-    return float(np.sqrt(np.mean(values**2))) if values.size else math.nan
+    return float(np.sqrt(np.mean(values**2)))

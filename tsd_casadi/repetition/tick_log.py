@@ -58,7 +58,7 @@ class TickLog:
         self._lap_ends.append(len(self._rows))
 
     def end(self, outcome: str) -> None:
-        """Nothing to note."""
+        """Note nothing."""
 
     @property
     def ticks(self) -> int:
@@ -66,7 +66,7 @@ class TickLog:
         return len(self._rows)
 
     def columns(self, start: int, end: int | None = None) -> dict[str, Vector]:
-        """Arrays by name, first axis the tick, see ``COLUMNS``.
+        """Give arrays by name, first axis the tick, see ``COLUMNS``.
 
         Args:
             start: First tick.
@@ -79,7 +79,7 @@ class TickLog:
         }
 
     def log(self, first_lap: int | None) -> dict[str, Vector]:
-        """All columns, with 'measured'.
+        """Give all columns, with 'measured'.
 
         Args:
             first_lap: Index of the first lap that is measured; None for none.

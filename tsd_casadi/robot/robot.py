@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 from functools import cached_property
 from pathlib import Path
@@ -16,6 +17,9 @@ from tsd_casadi.exceptions import InvalidValue, RobotFileError, UnknownRobot
 from tsd_casadi.robot.checks import check_robot
 from tsd_casadi.robot.robot_file import RobotFile, read_robot_file
 from tsd_casadi.state import State, Vector
+
+# changed whenever the terms of the cost or the equalities change their meaning
+FORMULATION = 1
 
 
 class Robot:
@@ -84,6 +88,37 @@ class Robot:
         return self.path.parent / self.description.scene
 
     @cached_property
+    def body_fingerprint(self) -> str:
+        """Hash of kinematics, masses and inertias: what was learned depends on them.
+
+        Ten digits count: the same robot written down by another program is the same.
+        """
+        numbers = [
+            *(inertia.toDynamicParameters() for inertia in self.model.inertias),
+            *(placement.homogeneous.ravel() for placement in self.model.jointPlacements),
+            self.model.gravity.linear,
+        ]
+        digest = hashlib.sha256()
+        for joint, name in zip(self.model.joints, self.model.names, strict=True):
+            digest.update(f"{name} {joint.shortname()}\0".encode())
+        for values in numbers:
+            # minus zero is zero
+            digest.update((np.round(np.asarray(values, dtype=float), 10) + 0.0).tobytes())
+        return digest.hexdigest()[:16]
+
+    @cached_property
+    def formulation_fingerprint(self) -> str:
+        """Hash of tasks, contacts and cost terms, not of gains, limits or ranges."""
+        described = self.description
+        meaning = [
+            FORMULATION,
+            [(t.type, t.name, getattr(t, "frame", ""), t.axes, t.W) for t in described.tasks],
+            [(contact.name, contact.frame) for contact in described.contacts],
+            [described.posture.W, described.regularization.model_dump()],
+        ]
+        return hashlib.sha256(json.dumps(meaning).encode()).hexdigest()[:16]
+
+    @cached_property
     def weight(self) -> float:
         """Weight of the whole robot [N]."""
         gravity = float(np.linalg.norm(self.model.gravity.linear))
@@ -139,7 +174,7 @@ class Robot:
         return [self.model.getFrameId(contact.frame) for contact in self.description.contacts]
 
     def axis_for(self, motion: str, kind: str, axis: str, prefer: str = "") -> str:
-        """The axis 'task.axis' that carries a motion.
+        """Find the axis 'task.axis' that carries a motion.
 
         Args:
             motion: Name of the motion; the robot file may name its task.

@@ -120,13 +120,13 @@ class MujocoSimulator(Plant):
         )
 
     def with_disturbances(self, disturbances: Sequence[Disturbance]) -> MujocoSimulator:
-        """The same simulated robot, pushed."""
+        """Give the same simulated robot, pushed."""
         other = copy.copy(self)
         other.disturbances = tuple(disturbances)
         return other
 
     def near(self, posture: State, seed: int = 0) -> State:
-        """A posture with its joints off by a little, soles on the ground on average.
+        """Put a posture's joints off by a little, the soles on the ground on average.
 
         Args:
             posture: What it is near to.
@@ -138,7 +138,7 @@ class MujocoSimulator(Plant):
         return State(self.robot.put_on_ground(q), posture.v)
 
     def body(self, start: State, standing: State, seed: int = 0) -> MujocoPlant:
-        """The simulated robot at the beginning of a repetition.
+        """Make the simulated robot at the beginning of a repetition.
 
         Args:
             start: Where it is.
@@ -166,14 +166,14 @@ class MujocoSimulator(Plant):
         self._body, self._ticks = self.body(self.near(posture, seed), posture, seed), 0
 
     def measure(self) -> State:
-        """The state as the sensors tell it now."""
+        """Read the state as the sensors tell it now."""
         assert self._body is not None
         true, measured = self._body.measure()
         self._truth = Truth(true, self._body.com)
         return measured
 
     def truth(self) -> Truth | None:
-        """The state of the simulation at the last measurement."""
+        """Tell the state of the simulation at the last measurement."""
         return self._truth
 
     def apply(self, tau: Vector) -> None:
@@ -187,7 +187,7 @@ class MujocoSimulator(Plant):
         self._ticks += 1
 
     def settings(self) -> dict[str, Any]:
-        """Model errors and hardware effects."""
+        """Describe model errors and hardware effects."""
         return {**self.model_error.settings(), "hardware": list(self.hardware)}
 
     def run(

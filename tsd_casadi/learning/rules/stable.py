@@ -40,7 +40,7 @@ class Stable(Guarded):
                 "laps", "without error and reference", "both for the rule 'stable', or another rule"
             )
         key = recording.key
-        require_loop(key.axes, dict(key.parameters), recording.context.gains)
+        require_loop(key.axes, dict(key.parameters), recording.circumstances.gains)
 
     def gain_after(self, gain: float, goes_on: bool) -> float:
         """Halve it after a worse one, double it after a better one, up to 1.

@@ -1,0 +1,57 @@
+"""How well an axis was tracked, and how that of several axes is ranked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class AxisError:
+    """Measures of one axis over whole steady laps, in its unit: m or rad.
+
+    Attributes:
+        rms: RMS error as the controller sees it.
+        peak: Largest absolute error as the controller sees it; None if unknown.
+        ac_rms: RMS error without its mean; None if unknown.
+        mean_abs_feedback: Mean absolute feedback [m/s^2, rad/s^2]; None if unknown.
+        true_rms: RMS error of the plant itself; None where nobody knows it.
+    """
+
+    rms: float
+    peak: float | None = None
+    ac_rms: float | None = None
+    mean_abs_feedback: float | None = None
+    true_rms: float | None = None
+
+    def plain(self) -> dict[str, float]:
+        """Give plain data, without what is unknown."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+
+def unit_of_axis(axis: str) -> str:
+    """Tell the unit of an axis 'task.axis': rad for rotations, m otherwise."""
+    return "rad" if axis.rpartition(".")[2].startswith("r") else "m"
+
+
+def rank(errors: Mapping[str, AxisError], P: Sequence[float]) -> float:
+    r"""Compute the one number by which iterations are ranked.
+
+    .. math:: \sqrt{\tfrac1k \sum_j (P_j \, e_j)^2}
+
+    with the RMS errors :math:`e_j`: stiff axes count as the feedback counts them.
+
+    Args:
+        errors: By axis, in the order of P.
+        P: Stiffness of each axis, (k,) [1/s^2].
+
+    Returns:
+        [m/s^2, rad/s^2]; NaN if an error is.
+    """
+    each = np.array(
+        [stiffness * error.rms for stiffness, error in zip(P, errors.values(), strict=True)]
+    )
+    return math.sqrt(float(np.mean(each**2)))

@@ -1,0 +1,23 @@
+"""How a repetition was made: what tells tests of one entry apart, never what is served."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Circumstances:
+    """Of one recording.
+
+    Attributes:
+        gains: P and D of the learned axes, (k,) each [1/s^2, 1/s]. Errors at
+            different gains say nothing about each other.
+        setting: What else a record should say: simulated hardware, seed, period,
+            plain data. Another hardware setting is another robot to the errors.
+        version: Version of this software.
+    """
+
+    gains: dict[str, list[float]]
+    setting: dict[str, Any] = field(default_factory=dict)
+    version: str = ""
