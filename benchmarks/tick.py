@@ -37,11 +37,12 @@ PHASES = ("data", "factorisation", "solve")
 
 def nominal_requests(controller: Controller, robot: Any, count: int) -> list[Vector]:
     """Collect requests along a simulated squat of 3 cm at 0.25 Hz."""
-    run = MujocoSimulator(robot, 0.1).run(controller, Squat(0.03, 0.25), laps=2)
+    squat = Squat(0.03, 0.25)
+    run = MujocoSimulator(robot, 0.1).run(controller, squat, axes=squat.axes(robot), laps=2)
     command = controller.command()
     requests = []
     for tick in np.linspace(2000, run.ticks - 1, count).astype(int):
-        command["com.reference"][2] = run.log["reference"][tick]
+        command["com.reference"][2] = run.log["reference"][tick, 0]
         q = run.log["q"][tick].astype(float)
         q[3:7] /= np.linalg.norm(q[3:7])
         command.set_state(State(q, run.log["v"][tick].astype(float)))

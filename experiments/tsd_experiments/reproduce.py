@@ -9,6 +9,7 @@ from time import monotonic
 from typing import Any
 
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.motions.ranges import check_motion
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.console.progress import console, show_progress
 from tsd_clients.simulator.effects import check_effects
@@ -125,11 +126,11 @@ def check_cases(experiments: Sequence[Experiment], robot: Robot) -> None:
     """
     arguments = [job.arguments for experiment in experiments for job in experiment.jobs({})]
     for case in (Case.of(each["case"]) for each in arguments if "case" in each):
-        case.motion.check(robot)
+        check_motion(robot, case.motion)
         check_effects(robot, case.hardware)
     for scenario in (SCENARIOS[each["scenario"]] for each in arguments if "scenario" in each):
         for motion in scenario.transfers.values():
-            motion.check(robot)
+            check_motion(robot, motion)
         check_effects(robot, scenario.hardware)
 
 

@@ -1,6 +1,6 @@
 r"""Which poses tell most about the height of the centre of mass.
 
-Random references within the soles and the squats' range become postures by
+Random references within the soles and what the legs reach become postures by
 Newton steps; of these, one after another is taken that leaves the least
 
 .. math:: \mathrm{tr} (T \Sigma_k T^T), \qquad
@@ -24,7 +24,7 @@ from tsd_casadi.center_of_mass.static_chain import StaticChain
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.robot.robot_file_sections import FrameTaskFile
-from tsd_casadi.robot.standing import stand
+from tsd_casadi.robot.standing import stand, standing_heights
 from tsd_casadi.state import Matrix, State, Vector
 
 MOST_POSES = 500
@@ -57,7 +57,7 @@ def design_poses(robot: Robot, count: int, *, seed: int = 0) -> list[State]:
     if len(candidates) < count:
         raise InvalidValue("poses", count, f"at most {len(candidates)} for {robot.name}")
     chain = StaticChain(robot)
-    low, high = robot.description.motions.squat.height
+    low, high = standing_heights(robot)
     T = np.vstack([chain.features(stand(robot, h).q)[2] for h in (low, 0.0, high)])
     F = np.array([chain.features(q)[:2] for q in candidates])
     covariance = prior_correction(robot, prior=MassPrior()).covariance
@@ -97,10 +97,10 @@ class _Candidates:
                 for y in contact.y
             ]
         )
-        squat = robot.description.motions.squat
+        lowest, highest = standing_heights(robot)
         forward, sideways = SOLE_SHARE * np.ptp(corners, axis=0) / 2
-        self._low = np.array([-forward, -sideways, squat.height[0] - squat.amplitude[1]])
-        self._high = np.array([forward, sideways, squat.height[1]])
+        self._low = np.array([-forward, -sideways, lowest])
+        self._high = np.array([forward, sideways, highest])
         _, J = self._residual(robot.home.q, robot.home_com, self._upright)
         self._mobility = float(np.linalg.svd(J, compute_uv=False)[-1])
 

@@ -13,6 +13,7 @@ each against home, the centre of mass against home raised by a height.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,9 @@ LAST_STEPS = 5
 TOLERANCE = 1e-9  # of the last step [m, rad]
 # keeps J J^T invertible where a height is out of reach and J loses rank
 DAMPING = 1e-12
+# share of what can be reached: near the limits knees are straight or folded up
+COMFORT = 0.45
+RESOLUTION = 1e-3  # m
 
 
 def stand(robot: Robot, height: float) -> State:
@@ -68,6 +72,32 @@ def stand(robot: Robot, height: float) -> State:
     raise InvalidValue(
         "height", f"{height:g} m", f"a height that {robot.name} can stand at, 0 is home"
     )
+
+
+@cache
+def standing_heights(robot: Robot) -> tuple[float, float]:
+    """Find between which heights a robot stands comfortably, far from its joints' limits.
+
+    Returns:
+        ``COMFORT`` of the lowest and of the highest that it can stand at, above
+        home, to 1 mm [m].
+    """
+    low, high = (COMFORT * _farthest(robot, sign) for sign in (-1.0, 1.0))
+    return low, high
+
+
+def _farthest(robot: Robot, sign: float) -> float:
+    """Find the last height in one direction by halving."""
+    reached, missed = 0.0, float(robot.home_com[2])
+    while missed - reached > RESOLUTION:
+        middle = 0.5 * (reached + missed)
+        try:
+            stand(robot, sign * middle)
+        except InvalidValue:
+            missed = middle
+        else:
+            reached = middle
+    return sign * reached
 
 
 def _residual(

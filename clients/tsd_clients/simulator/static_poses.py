@@ -24,7 +24,7 @@ from tsd_casadi.repetition.repetition import FALL_HEIGHT, Progress
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.format import Status
-from tsd_clients.simulator.mujoco_plant import TIMESTEP, MujocoPlant
+from tsd_clients.simulator.mujoco_plant import MujocoPlant
 from tsd_clients.simulator.simulator import MujocoSimulator
 
 SETTLE, AVERAGE = 0.6, 0.2  # s, after each move
@@ -71,9 +71,8 @@ def collect(
     """
     robot = simulator.robot
     postures = design_poses(robot, count, seed=seed)
-    start = simulator.start(robot.home, seed)
-    plant = MujocoPlant(robot, simulator.model, start, robot.home, simulator.hardware, (), seed)
-    standing = _Standing(robot, plant, controller, inclinometer, seed)
+    plant = simulator.body(simulator.near(robot.home, seed), robot.home, seed)
+    standing = _Standing(simulator, plant, controller, inclinometer, seed)
     measured: dict[int, StaticPose | None] = {}
     for index in short_way(robot, postures):
         standing.move(postures[index])
@@ -118,34 +117,35 @@ class _Standing:
 
     def __init__(
         self,
-        robot: Robot,
+        simulator: MujocoSimulator,
         plant: MujocoPlant,
         controller: WholeBodyController,
         inclinometer: float | None,
         seed: int,
     ) -> None:
-        self._robot, self._plant, self._controller = robot, plant, controller
+        self._robot, self._plant, self._controller = simulator.robot, plant, controller
+        self._period = simulator.period
         self._inclinometer, self._rng = inclinometer, np.random.default_rng((seed, 5))
         self._command = controller.command()
-        self._last = robot.home
+        self._last = simulator.robot.home
         self._ticks = 0
 
     def move(self, target: State) -> None:
         """Go to a posture and let the robot settle."""
         duration = duration_of(self._robot, self._last, target)
         way = Way(self._robot, self._command, self._last, target, duration)
-        count = math.ceil(duration / TIMESTEP)
+        count = math.ceil(duration / self._period)
         for tick in range(1, count + 1):
             way.write(tick / count)
             self._step()
-        for _ in range(round(SETTLE / TIMESTEP)):
+        for _ in range(round(SETTLE / self._period)):
             self._step()
         self._last = target
 
     def measure(self) -> StaticPose | None:
         """Average over a while; None if the robot does not stand still and flat."""
         configurations, truths, centers, forces = [], [], [], []
-        for _ in range(round(AVERAGE / TIMESTEP)):
+        for _ in range(round(AVERAGE / self._period)):
             true, measured = self._step()
             force, center = self._plant.ground_force()
             configurations.append(measured.q)
@@ -166,7 +166,7 @@ class _Standing:
 
     def _step(self) -> tuple[State, State]:
         true, measured = self._plant.measure()
-        time = self._ticks * TIMESTEP
+        time = self._ticks * self._period
         if not self._plant.com[2] > FALL_HEIGHT * self._robot.home_com[2]:
             raise SimulationError(f"the robot fell from a static pose after {time:.2f} s. {ADVICE}")
         tick = self._controller.tick(measured, self._command)

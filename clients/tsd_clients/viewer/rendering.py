@@ -39,25 +39,25 @@ COLORS = 128  # of a GIF
 PALETTE_STEP = 8  # frames between two of those that the colours are chosen from
 
 
-def render_squat(robot: Robot, run: Run, out: Path) -> str:
-    """Render the top and the bottom of the last lap, side by side.
+def render_extremes(robot: Robot, run: Run, out: Path) -> str:
+    """Render where the first axis is highest and lowest in the measured laps, side by side.
 
     Args:
-        out: Folder for squat.png.
+        out: Folder for the picture, which has the motion's name.
 
     Returns:
         A sentence that says where the picture is, or what is missing.
     """
     from matplotlib.image import imsave
 
-    height = np.where(run.log["measured"], run.log["reference"], np.nan)
-    moments = [int(np.nanargmax(height)), int(np.nanargmin(height))]
+    place = np.where(run.log["measured"], run.along("reference", run.axes[0]), np.nan)
+    moments = [int(np.nanargmax(place)), int(np.nanargmin(place))]
     frames = render_postures(robot, run.log["q"][moments])
     if frames is None:
         return HINT
-    target = out / "squat.png"
+    target = out / f"{run.motion.name}.png"
     imsave(target, side_by_side(frames))
-    return f"Picture of the squat: {target}."
+    return f"Picture of the {run.motion.name}: {target}."
 
 
 def render_postures(

@@ -37,9 +37,9 @@ class Bench:
     seed: int
 
     @property
-    def axis(self) -> str:
-        """Name of the learned axis."""
-        return f"{self.motion.task(self.robot)}.{self.motion.axis}"
+    def axes(self) -> tuple[str, ...]:
+        """Names of the learned axes: those that are moved."""
+        return self.motion.axes(self.robot)
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Alternative:
 
     Attributes:
         controller: Nominal or identified.
-        feedforward: Along the learned axis.
+        feedforward: Along the learned axes.
         compensators: What else it adds.
         numbers_learned: How many numbers it takes from data.
         repetitions: How many repetitions it took them from.

@@ -49,7 +49,8 @@ def compare(
     pushed = drive(alternative, bench, setting, setting.squat, [push])
     count = min(calm.ticks, pushed.ticks)
     time = calm.log["time"][:count] - start
-    deflection = pushed.log["true_error"][:count] - calm.log["true_error"][:count]
+    away, usual = (run.along("true_error", run.axes[0])[:count] for run in (pushed, calm))
+    deflection = away - usual
     peak = float(np.abs(deflection[time >= 0]).max(initial=0.0))
     outcome.rows.append({"label": "push", "deflection_m": peak, "fell": pushed.fell})
     window = (time >= -0.1) & (time < SEEN)

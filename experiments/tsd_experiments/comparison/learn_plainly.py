@@ -29,11 +29,12 @@ def learn_task(bench: Bench) -> Feedforward:
         run = bench.simulator.run(
             bench.controller,
             bench.motion,
+            axes=bench.axes,
             feedforward=feedforward,
             gains=bench.gains,
             seed=bench.seed,
         )
-        recording = record_of(run, bench.simulator.robot, bench.controller)
+        recording = record_of(run, bench.robot)
         fitted = fit_laps(recording.laps, recording.basis)
         weights = update_weights(recording.applied, fitted.feedback)
         feedforward = Feedforward(

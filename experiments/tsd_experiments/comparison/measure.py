@@ -6,13 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.run import Run
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_experiments.comparison.bench import Alternative, Bench
 from tsd_experiments.comparison.scenario import Scenario
+from tsd_experiments.harness.outcome import measures_of
 
 
 def drive(
@@ -26,6 +25,7 @@ def drive(
     return bench.simulator.run(
         alternative.controller,
         squat,
+        axes=squat.axes(bench.robot),
         feedforward=alternative.feedforward,
         gains=scenario.gains,
         compensators=alternative.compensators,
@@ -43,16 +43,18 @@ def measure(
 
 def describe(run: Run, alternative: Alternative, scenario: Scenario) -> dict[str, Any]:
     """Write what is compared of a run as plain data, None where nothing was measured."""
-    log = run.log
-    true_error = np.asarray(log["true_error"][log["measured"]])
+    true_error = run.measured("true_error")[:, 0]
     values = {
-        **run.errors(),
+        **measures_of(run),
         "true_ac_rms_error_m": float(true_error.std()) if true_error.size else math.nan,
     }
     return {
         "scenario": scenario.name,
         **run.motion.parameters,
-        **{name: value if math.isfinite(value) else None for name, value in values.items()},
+        **{
+            name: value if value is not None and math.isfinite(value) else None
+            for name, value in values.items()
+        },
         "laps_run": run.laps_run,
         "steady": run.steady,
         "fell": run.fell,

@@ -87,6 +87,7 @@ def stable_task_acceleration(bench: Bench) -> Alternative:
             bench.controller,
             [bench.motion],
             database,
+            axes=bench.axes,
             iterations=bench.iterations,
             rule="stable",
             gains=bench.gains,
@@ -147,8 +148,8 @@ METHODS: dict[str, Callable[[Bench], Alternative]] = {
 
 
 def _gains(bench: Bench) -> tuple[float, float]:
-    """Compute P and D of the learned axis."""
-    task, axis = bench.axis.split(".")
+    """Compute P and D of the axis that is moved."""
+    task, _, axis = bench.axes[0].rpartition(".")
     component = bench.controller.format.component_index(task, axis)
     command, factors = bench.controller.command(), bench.gains
     P, D = (float(command[f"{task}.{gain}"][component]) for gain in "PD")
@@ -160,6 +161,7 @@ def _observed(bench: Bench, *others: Compensator) -> Observations:
     run = bench.simulator.run(
         bench.controller,
         bench.motion,
+        axes=bench.axes,
         gains=bench.gains,
         compensators=[*others, recorder],
         seed=bench.seed,

@@ -10,6 +10,7 @@ from tsd_casadi.repetition.gains import Gains
 MODEL_ERROR = 0.1
 REDUCED = Gains(P=0.2)  # P / 5, D as it is
 REUSED = "nearest entry as it is"
+ALL_AXES = "all axes"
 
 
 @dataclass(frozen=True)
@@ -42,9 +43,9 @@ class Plan:
     def number_of_runs(self) -> int:
         """How many repetitions that makes."""
         learning = self.iterations + 1
-        # learned, perfect, constant and twice P/5; the database; learned,
-        # generalised and nearest
-        return learning + 4 + learning * len(self.database) + learning + 2
+        # learned, perfect, constant and twice P/5; all axes; the database;
+        # learned, generalised and nearest
+        return learning + 4 + learning + learning * len(self.database) + learning + 2
 
 
 def label_of(amplitude: float, what: str) -> str:

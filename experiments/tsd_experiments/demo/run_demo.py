@@ -12,6 +12,7 @@ from typing import Any
 from matplotlib import pyplot as plt
 
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.motions.ranges import check_motion
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.version import __version__
@@ -19,10 +20,11 @@ from tsd_clients.console.progress import show_progress
 from tsd_clients.console.run_tables import print_goals, print_runs
 from tsd_clients.console.table import console
 from tsd_clients.logs.log_file import save_log as write_log
-from tsd_clients.viewer.rendering import render_squat
+from tsd_clients.viewer.rendering import render_extremes
 from tsd_experiments.demo.goals import goals_of
 from tsd_experiments.demo.plan import MODEL_ERROR, Plan, file_name, label_of
 from tsd_experiments.demo.runs import DemoRuns
+from tsd_experiments.harness.outcome import row_of
 from tsd_experiments.harness.services import start_services
 from tsd_experiments.report.curve import Curve
 from tsd_experiments.report.drawing import draw_feedback, draw_tracking
@@ -45,7 +47,7 @@ def run_demo(robot: Robot, out: Path, seed: int = 0, plan: Plan = PLAN) -> dict[
     """
     start = monotonic()
     for squat in plan.squats:
-        squat.check(robot)
+        check_motion(robot, squat)
     try:
         (out / "logs").mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -72,7 +74,7 @@ def run_demo(robot: Robot, out: Path, seed: int = 0, plan: Plan = PLAN) -> dict[
         "robot": robot.name,
         "version": __version__,
         "gains": next(iter(runs.values())).gains,
-        "runs": [{"label": label, **run.summary()} for label, run in runs.items()],
+        "runs": [{"label": label, **run.summary(), **row_of(run)} for label, run in runs.items()],
         "ticks_served": served,
         "goals": [goal.plain() for goal in goals_of(runs, plan)],
         "seconds": monotonic() - start,
@@ -80,7 +82,7 @@ def run_demo(robot: Robot, out: Path, seed: int = 0, plan: Plan = PLAN) -> dict[
     for future in written:
         future.result()  # an error while writing is an error
     _draw(runs, plan, out)
-    pictures = render_squat(robot, runs[label_of(plan.amplitude, "learned, iteration 1")], out)
+    pictures = render_extremes(robot, runs[label_of(plan.amplitude, "learned, iteration 1")], out)
     summary["seconds"] = monotonic() - start
     (out / "summary.json").write_text(json.dumps(summary, indent=2))
     _print(summary, plan, out, pictures)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -10,13 +10,15 @@ from tsd_casadi.learning.feedforward import Feedforward, Kind
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.learn import learn
+from tsd_casadi.repetition.record import context_of
+from tsd_casadi.repetition.repetition import usual_axes
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.console.table import console
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_clients.simulator.simulator import MujocoSimulator
-from tsd_experiments.demo.plan import MODEL_ERROR, REDUCED, REUSED, Plan, label_of
+from tsd_experiments.demo.plan import ALL_AXES, MODEL_ERROR, REDUCED, REUSED, Plan, label_of
 
 
 class DemoRuns:
@@ -51,6 +53,7 @@ class DemoRuns:
         self._simulator = MujocoSimulator(self.robot, MODEL_ERROR)
         self._perfect_model()
         self._one_amplitude()
+        self._all_axes()
         self._other_amplitude()
 
     def _perfect_model(self) -> None:
@@ -63,6 +66,11 @@ class DemoRuns:
         self._run("constant", amplitude, learned.constant())
         self._run("P/5, none", amplitude, gains=REDUCED)
         self._run("P/5, learned, iteration 1", amplitude, learned, REDUCED)
+
+    def _all_axes(self) -> None:
+        """Learn all of the centre of mass at once, of which a wrong model moves every axis."""
+        motion = Squat(self.plan.amplitude, self.plan.frequency)
+        self._learn(self.plan.amplitude, usual_axes(self.robot, motion))
 
     def _other_amplitude(self) -> None:
         # the generalisation is to know the amplitudes of the database only
@@ -81,14 +89,21 @@ class DemoRuns:
             Squat.name,
             robot=self.robot.name,
             kind=kind,
+            axes=Squat(amplitude).axes(self.robot),
+            context=context_of(self.robot),
             amplitude=amplitude,
             frequency=self.plan.frequency,
         )
 
-    def _learn(self, amplitude: float) -> list[Run]:
+    def _learn(self, amplitude: float, axes: Sequence[str] | None = None) -> list[Run]:
+        """Learn a squat along some axes; by default as the paper does, along the moved one."""
+        motion = Squat(amplitude, self.plan.frequency)
+
         def keep(run: Run, notes: list[str]) -> None:
             iteration = run.feedforward.iteration
             kind = f"learned, iteration {iteration}" if iteration else "none"
+            if axes is not None:
+                kind = f"{kind}, {ALL_AXES}"
             self._keep(label_of(amplitude, kind), run)
             for note in notes:
                 console.print(f"note: {note}")
@@ -96,8 +111,9 @@ class DemoRuns:
         return learn(
             self._simulator,
             self.controller,
-            [Squat(amplitude, self.plan.frequency)],
+            [motion],
             self.learner,
+            axes=axes or motion.axes(self.robot),
             iterations=self.plan.iterations,
             seed=self.seed,
             transport="zenoh",
@@ -113,9 +129,11 @@ class DemoRuns:
         gains: Gains = UNCHANGED,
         simulator: MujocoSimulator | None = None,
     ) -> None:
+        motion = Squat(amplitude, self.plan.frequency)
         run = (simulator or self._simulator).run(
             self.controller,
-            Squat(amplitude, self.plan.frequency),
+            motion,
+            axes=motion.axes(self.robot),
             feedforward=feedforward,
             gains=gains,
             seed=self.seed,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.learning.feedforward import Feedforward, Kind
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.gains import Gains
+from tsd_casadi.repetition.repetition import usual_axes
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.simulator.model_error import ModelError
 from tsd_clients.simulator.simulator import MujocoSimulator
@@ -36,6 +37,8 @@ class Case:
         d_scale: Factor on D.
         laps: Least number of laps.
         seed: Of starting posture and sensor noise.
+        learned: Which axes are learned: the one that is 'moved', as in the paper,
+            or those that are 'usual', all of the centre of mass with it.
     """
 
     amplitude: float = 0.03
@@ -49,6 +52,7 @@ class Case:
     d_scale: float = 1.0
     laps: int = 3
     seed: int = 0
+    learned: Literal["moved", "usual"] = "moved"
 
     @property
     def motion(self) -> Squat:
@@ -65,6 +69,12 @@ class Case:
         gains = Gains.critical(factor)
         return replace(self, p_scale=gains.P, d_scale=gains.D)
 
+    def axes(self, robot: Robot) -> tuple[str, ...]:
+        """Name the learned axes, the one that is moved first."""
+        if self.learned == "usual":
+            return usual_axes(robot, self.motion)
+        return self.motion.axes(robot)
+
     def simulator(self, robot: Robot) -> MujocoSimulator:
         """Make the simulated robot, with errors and hardware effects."""
         error = ModelError(self.model_error, self.link_error, self.link_seed)
@@ -74,12 +84,12 @@ class Case:
         """Make a feedforward for this case from bare weights.
 
         Args:
-            weights: (L,) [m/s^2].
+            weights: Along the axis that is moved, (L,) [m/s^2].
         """
         motion = self.motion
         matrix = np.asarray(weights, dtype=float)[None, :]
         return Feedforward(
-            axes=(f"{motion.task(robot)}.{motion.axis}",),
+            axes=motion.axes(robot),
             basis=PeriodicBasis.of_size(matrix.shape[1]),
             weights=matrix,
             standard_deviations=np.zeros_like(matrix),

@@ -64,7 +64,7 @@ def learn_case(
             if label == "iteration 0" and run.laps:
                 # one whole lap, for the encoding error
                 outcome.arrays["lap/phase"] = run.laps[0].phase
-                outcome.arrays["lap/feedback"] = run.laps[0].feedback
+                outcome.arrays["lap/feedback"] = run.laps[0].feedback[:1]
 
         try:
             learn(
@@ -72,6 +72,7 @@ def learn_case(
                 controller,
                 [setting.motion],
                 used,
+                axes=setting.axes(robot),
                 iterations=iterations,
                 restart=True,
                 rule=rule,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from tsd_casadi.learning.axis_error import unit_of_axis
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.state import Vector
 
@@ -30,10 +32,68 @@ class Outcome:
     def add(self, label: str, run: Run, **more: Any) -> None:
         """Keep a run: its measures with further plain data, its trace and its weights.
 
+        Traces are those of the first axis, '<label>/<name>'; those of further
+        ones '<label>/<name>/<axis>'.
+
         Args:
             label: Name of the run, unique in the outcome.
         """
-        self.rows.append({"label": label, **run.summary(), **more})
-        for name in TRACES:
-            self.arrays[f"{label}/{name}"] = run.log[name][::TRACE_STEP].astype(np.float32)
+        self.rows.append({"label": label, **row_of(run), **more})
+        for place, axis in enumerate(run.axes):
+            for name, values in signals_of(run, axis).items():
+                if place == 0:
+                    self.arrays[f"{label}/{name}"] = _thinned(values)
+                elif run.log[name].ndim == 2:
+                    self.arrays[f"{label}/{name}/{axis}"] = _thinned(values)
         self.arrays[f"{label}/weights"] = run.feedforward.weights
+
+
+def row_of(run: Run) -> dict[str, Any]:
+    """Write the summary of a run as a row: its measures flat, see ``measures_of``."""
+    summary = {name: value for name, value in run.summary().items() if name != "errors"}
+    parameters = summary.pop("parameters")
+    return {
+        **summary,
+        "axes": list(run.axes),
+        "amplitude_m": parameters.get("amplitude"),
+        "frequency_hz": run.motion.frequency,
+        **{
+            name: None if value is None or math.isnan(value) else value
+            for name, value in measures_of(run).items()
+        },
+    }
+
+
+def measures_of(run: Run) -> dict[str, float | None]:
+    """List the measures of a run, units at the end of the names.
+
+    Returns:
+        Those of the first axis as 'rms_error_m', those of further ones as
+        '<axis>/rms_error_m'.
+    """
+    found: dict[str, float | None] = {}
+    for place, (axis, error) in enumerate(run.errors.items()):
+        start, unit = f"{axis}/" if place else "", unit_of_axis(axis)
+        found |= {
+            f"{start}rms_error_{unit}": error.rms,
+            f"{start}peak_error_{unit}": error.peak,
+            f"{start}ac_rms_error_{unit}": error.ac_rms,
+            f"{start}true_rms_error_{unit}": error.true_rms,
+            f"{start}mean_abs_feedback": error.mean_abs_feedback,
+        }
+    return found
+
+
+def signals_of(run: Run, axis: str) -> dict[str, Vector]:
+    """Give the traces of one axis, (N,) each.
+
+    Args:
+        axis: 'task.axis'.
+    """
+    return {
+        name: run.log[name] if run.log[name].ndim == 1 else run.along(name, axis) for name in TRACES
+    }
+
+
+def _thinned(values: Vector) -> Vector:
+    return np.asarray(values[::TRACE_STEP], dtype=np.float32)

@@ -44,6 +44,7 @@ def replay_case(
     run = setting.simulator(robot).run(
         controller,
         setting.motion,
+        axes=setting.axes(robot),
         laps=setting.laps,
         feedforward=feedforward,
         gains=setting.gains,

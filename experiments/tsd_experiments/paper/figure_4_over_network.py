@@ -9,6 +9,7 @@ from typing import Any
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.repetition.learn import learn
+from tsd_casadi.repetition.record import context_of
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.remote.remote_learner import RemoteLearner
@@ -45,6 +46,7 @@ def generalize_over_amplitude(
         simulator,
         controller,
         learner=learner,
+        axes=setting.axes(robot),
         iterations=ITERATIONS,
         rule="plain",
         laps=setting.laps,
@@ -55,10 +57,21 @@ def generalize_over_amplitude(
     outcome = Outcome()
     motion = setting.motion
     generalized: Feedforward = learner.query(
-        motion.name, robot=robot.name, kind="generalised", extrapolate=False, **motion.parameters
+        motion.name,
+        robot=robot.name,
+        kind="generalised",
+        extrapolate=False,
+        axes=setting.axes(robot),
+        context=context_of(robot),
+        **motion.parameters,
     )
     run = simulator.run(
-        controller, motion, laps=setting.laps, feedforward=generalized, transport="zenoh"
+        controller,
+        motion,
+        axes=setting.axes(robot),
+        laps=setting.laps,
+        feedforward=generalized,
+        transport="zenoh",
     )
     outcome.add("generalised", run)
 

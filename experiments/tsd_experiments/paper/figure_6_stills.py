@@ -10,13 +10,12 @@ from matplotlib import pyplot as plt
 
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.robot.robot import Robot, load_robot
-from tsd_clients.simulator.mujoco_plant import TIMESTEP
 from tsd_clients.viewer.rendering import HINT, Pictures, animate, render_postures
 from tsd_experiments.harness.case import Case
 from tsd_experiments.harness.experiment import Done, Experiment
 from tsd_experiments.harness.job import Job
 from tsd_experiments.harness.learn_case import learn_case
-from tsd_experiments.harness.outcome import Outcome
+from tsd_experiments.harness.outcome import Outcome, row_of
 from tsd_experiments.harness.section import Figure, Section
 from tsd_experiments.report.drawing import finish
 
@@ -39,19 +38,21 @@ def film(robot: Robot, controller: WholeBodyController, case: dict[str, Any]) ->
     run = used.simulator(robot).run(
         controller,
         used.motion,
+        axes=used.axes(robot),
         laps=used.laps,
         feedforward=used.feedforward(robot, weights, "learned"),
         gains=used.gains,
         seed=used.seed,
     )
+    (axis,) = used.axes(robot)
     lap = run.log["lap"]
-    ticks = np.flatnonzero(lap == lap.max())[:: round(1 / (RATE * TIMESTEP))]
+    ticks = np.flatnonzero(lap == lap.max())[:: round(1 / (RATE * run.settings["period_s"]))]
     return Outcome(
-        rows=[{"label": "lap", "robot_file": str(robot.path), **run.summary()}],
+        rows=[{"label": "lap", "robot_file": str(robot.path), **row_of(run)}],
         arrays={
             "q": run.log["q"][ticks].astype(float),
             "time": run.log["time"][ticks] - run.log["time"][ticks[0]],
-            "com_z": run.log["reference"][ticks] - run.log["true_error"][ticks],
+            "com_z": (run.along("reference", axis) - run.along("true_error", axis))[ticks],
         },
     )
 

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from tsd_casadi.learning.axis_error import unit_of_axis
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.state import Vector
 from tsd_experiments.harness.job import Result
-from tsd_experiments.harness.outcome import TRACES
+from tsd_experiments.harness.outcome import TRACES, signals_of
 
 # distinct in colour and in grey
 STYLES: dict[str, dict[str, Any]] = {
@@ -27,23 +28,29 @@ class Curve:
 
     Attributes:
         legend: What it is called there.
-        signals: (N,) by name, as in a run's log.
-        peak_error: [m]; None of a run that fell.
+        signals: (N,) by name, as in a run's log, of one axis.
+        peak_error: [m, rad]; None of a run that fell.
         style: Key of ``STYLES``.
+        axis: 'task.axis'.
     """
 
     legend: str
     signals: Mapping[str, Vector]
     peak_error: float | None
     style: str
+    axis: str = "com.z"
 
     @classmethod
     def stored(cls, legend: str, result: Result, label: str, style: str) -> Curve:
-        """Take the traces of a finished job's run."""
+        """Take the traces of a finished job's run along its first axis."""
         signals = {name: result.arrays[f"{label}/{name}"] for name in TRACES}
-        return cls(legend, signals, result.row(label)["peak_error_m"], style)
+        row = result.row(label)
+        axis = row["axes"][0]
+        peak = row[f"peak_error_{unit_of_axis(axis)}"]
+        return cls(legend, signals, peak, style, axis)
 
     @classmethod
     def of(cls, legend: str, run: Run, style: str) -> Curve:
-        """Take the log of a run."""
-        return cls(legend, {name: run.log[name] for name in TRACES}, run.peak_error, style)
+        """Take the log of a run along its first axis."""
+        axis = run.axes[0]
+        return cls(legend, signals_of(run, axis), run.errors[axis].peak, style, axis)

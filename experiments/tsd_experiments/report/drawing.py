@@ -8,6 +8,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 
+from tsd_casadi.learning.axis_error import unit_of_axis
 from tsd_casadi.state import Vector
 from tsd_experiments.report.curve import STYLES, Curve
 
@@ -17,6 +18,12 @@ from matplotlib import pyplot as plt
 
 MOST_MARKERS = 50
 COLORS = ("#3b6fb6", "#c8352b", "#d99a1c", "#2f7d4f", "#6b3fa0", "#777777", "#20a0b0", "#a05030")
+
+
+def name_of(axis: str) -> str:
+    """Name an axis 'task.axis' for a figure: 'CoM z', 'torso rz'."""
+    task, _, component = axis.rpartition(".")
+    return f"{'CoM' if task == 'com' else task} {component}"
 
 
 def draw_tracking(curves: Sequence[Curve], title: str) -> Any:
@@ -38,13 +45,14 @@ def draw_tracking(curves: Sequence[Curve], title: str) -> Any:
     for axes in (top, middle, bottom):
         axes.axvline(start, color="black", linestyle=":", linewidth=1)
         axes.grid(alpha=0.3)
+    unit = unit_of_axis(curves[0].axis)
     low, high = top.get_ylim()
     top.set_ylim(low, high + 0.25 * (high - low))  # room for the legend
     top.legend(loc="upper center", fontsize=8, ncols=4)
-    top.set(ylabel="CoM z [m]", title=title)
-    middle.set_ylabel("error [mm]")
+    top.set(ylabel=f"{name_of(curves[0].axis)} [{unit}]", title=title)
+    middle.set_ylabel(f"error [m{unit}]")
     bound = 2e3 * max(curve.peak_error or 0.0 for curve in curves[1:])
-    bottom.set(ylabel="error, close [mm]", ylim=(-bound, bound), xlabel="time [s]")
+    bottom.set(ylabel=f"error, close [m{unit}]", ylim=(-bound, bound), xlabel="time [s]")
     return finish(figure)
 
 
@@ -62,7 +70,7 @@ def draw_errors(panels: Sequence[tuple[str, Sequence[Curve]]], shared: bool = Tr
         for curve in curves:
             time, error = curve.signals["time"], curve.signals["error"]
             panel.plot(time, 1e3 * error, label=curve.legend, **STYLES[curve.style])
-        panel.set(title=title, ylabel="error [mm]")
+        panel.set(title=title, ylabel=f"error [m{unit_of_axis(curves[0].axis)}]")
         panel.legend(fontsize=8, ncols=3)
         panel.grid(alpha=0.3)
     axes[-1, 0].set_xlabel("time [s]")
@@ -83,7 +91,9 @@ def draw_feedback(curves: Sequence[Curve], encoded: Curve) -> Any:
     axes.plot(time, feedforward, label="encoded feedforward", **STYLES["encoded"])
     # the first moments of a run, from rest, would dwarf the rest
     bound = 1.6 * float(np.max(np.abs(feedforward)))
-    axes.set(xlabel="time [s]", ylabel="feedback [m/s²]", ylim=(-bound, bound / 2))
+    axis = encoded.axis
+    ylabel = f"feedback, {name_of(axis)} [{unit_of_axis(axis)}/s²]"
+    axes.set(xlabel="time [s]", ylabel=ylabel, ylim=(-bound, bound / 2))
     axes.grid(alpha=0.3)
     axes.legend(fontsize=8, ncols=2)
     return finish(figure)

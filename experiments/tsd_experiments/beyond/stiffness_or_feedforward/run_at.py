@@ -26,15 +26,17 @@ class Stiffness(Compensator):
         self._factor = factor
 
     def start(self, setting: Setting) -> None:
-        """Note the task."""
-        self._task = setting.task
+        """Note the learned tasks."""
+        axes = setting.axes[: setting.learned]
+        self._tasks = tuple(dict.fromkeys(axis.rpartition(".")[0] for axis in axes))
         self._set = False
 
     def before(self, moment: Moment) -> None:
         """Set the gains at the first tick; they stay."""
         if not self._set:
-            moment.command[f"{self._task}.P"] *= self._factor
-            moment.command[f"{self._task}.D"] *= math.sqrt(self._factor)
+            for task in self._tasks:
+                moment.command[f"{task}.P"] *= self._factor
+                moment.command[f"{task}.D"] *= math.sqrt(self._factor)
             self._set = True
 
 
@@ -59,6 +61,7 @@ def run_at(
     run = case.simulator(robot).run(
         controller,
         case.motion,
+        axes=case.axes(robot),
         laps=case.laps,
         feedforward=None if weights is None else case.feedforward(robot, weights, "learned"),
         gains=case.gains,

@@ -13,7 +13,7 @@ from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_experiments.beyond.stiffness_or_feedforward.run_at import run_at
 from tsd_experiments.harness.case import Case
-from tsd_experiments.harness.outcome import Outcome
+from tsd_experiments.harness.outcome import Outcome, row_of
 
 BISECTIONS = 3
 # measured at the end of a run [s]
@@ -48,7 +48,7 @@ def sweep(
         stable = not run.fell and not run.failures
         label = f"factor {factor:.4g}"
         more = {"factor": factor, "chatter": _chatter(run, robot), "stable": stable}
-        outcome.rows.append({"label": label, **run.summary(), **more})
+        outcome.rows.append({"label": label, **row_of(run), **more})
         return stable
 
     for factor in factors:

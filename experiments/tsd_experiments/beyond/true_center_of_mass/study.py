@@ -19,7 +19,7 @@ from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot.standing import stand
+from tsd_casadi.robot.standing import stand, standing_heights
 from tsd_casadi.state import Vector
 from tsd_clients.simulator.simulator import MujocoSimulator
 from tsd_clients.simulator.static_poses import true_center_of_mass, with_noise
@@ -71,7 +71,7 @@ def assess(
     """
     robot = simulator.robot
     before = prior_correction(robot, float(np.mean([pose.weight for pose in poses])), prior)
-    low, high = robot.description.motions.squat.height
+    low, high = standing_heights(robot)
     standing = [stand(robot, height).q for height in (low, low / 2, 0.0, high / 2, high)]
     truths = [true_center_of_mass(simulator, q) for q in standing]
     seen = [robot.center_of_mass(pose.q)[:2] for pose in poses]
@@ -139,14 +139,16 @@ def learn_with(
     iterations: int = 2,
     seed: int = 0,
 ) -> list[Run]:
-    """Learn a motion from nothing by the paper's rule, in a database of its own.
+    """Learn the axes that a motion moves from nothing, in a database of its own.
+
+    By the paper's rule.
 
     Args:
         correction: Of the centre of mass; None goes on with the model's.
 
     Returns:
-        The runs, one more than iterations; their ``true_rms_error`` is the
-        measure, ``rms_error`` what the controller sees.
+        The runs, one more than iterations; ``true_rms`` of their errors is the
+        measure, ``rms`` what the controller sees.
     """
     compensators = [] if correction is None else [CenterOfMassShift(correction)]
     with tempfile.TemporaryDirectory() as folder, Database(Path(folder) / "study") as database:
@@ -155,6 +157,7 @@ def learn_with(
             controller,
             [motion],
             database,
+            axes=motion.axes(simulator.robot),
             iterations=iterations,
             rule="plain",
             compensators=compensators,

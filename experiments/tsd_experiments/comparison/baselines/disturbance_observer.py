@@ -1,4 +1,4 @@
-r"""A disturbance observer on the acceleration of the learned axis.
+r"""A disturbance observer on the acceleration of the learned axes.
 
 The disturbance is what was commanded less what happened, behind a first-order
 low pass Q of bandwidth g,
@@ -20,11 +20,12 @@ D + g, so the lags between command and measurement, T in all, bound g.
 
 from __future__ import annotations
 
-import math
+import numpy as np
 
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.robot.robot import Robot
+from tsd_casadi.state import Vector
 from tsd_casadi.tick.format import Status
 
 LIMIT = 5.0  # m/s^2, half of gravity
@@ -65,7 +66,7 @@ class DisturbanceObserver(Compensator):
     """Adds the observed disturbance, from the first tick of the hold on.
 
     Attributes:
-        disturbance: The estimate, what it adds now [m/s^2].
+        disturbance: The estimate, what it adds now, (k,) [m/s^2, rad/s^2].
     """
 
     def __init__(self, bandwidth: float | None = None, limit: float = LIMIT) -> None:
@@ -73,8 +74,8 @@ class DisturbanceObserver(Compensator):
 
         Args:
             bandwidth: g [rad/s]; by default ``usual_bandwidth`` of the robot
-                with D of the task at the first tick.
-            limit: The estimate stops there [m/s^2].
+                with D of each axis at the first tick.
+            limit: The estimate stops there [m/s^2, rad/s^2].
 
         Raises:
             InvalidValue: If a number is not positive.
@@ -84,18 +85,19 @@ class DisturbanceObserver(Compensator):
                 raise InvalidValue(name, value, "a positive number")
         self._given = bandwidth
         self._limit = limit
-        self.disturbance = 0.0
+        self.disturbance = np.zeros(0)
 
     def start(self, setting: Setting) -> None:
         """Forget the last run."""
-        self._setting = setting
-        self._last: tuple[float, float] | None = None
-        self._bandwidth = self._given
-        self.disturbance = 0.0
+        k = setting.learned
+        self._setting, self._index = setting, setting.index[:k]
+        self._last: tuple[Vector, Vector] | None = None
+        self._bandwidth = None if self._given is None else np.full(k, self._given)
+        self.disturbance = np.zeros(k)
 
     def before(self, moment: Moment) -> None:
         """Add the estimate of the last tick."""
-        moment.feedforward += self.disturbance
+        moment.feedforward[: len(self.disturbance)] += self.disturbance
 
     def after(self, moment: Moment) -> None:
         """Compare the last tick's command with the velocity gained since.
@@ -110,18 +112,19 @@ class DisturbanceObserver(Compensator):
         setting, command = self._setting, moment.command
         fields = ("P", "D", "reference_velocity", "reference_acceleration", "feedforward")
         P, D, xd_ref, xdd_ref, xdd_ff = (
-            float(command[f"{setting.task}.{field}"][setting.component]) for field in fields
+            setting.gain(command, field)[: setting.learned] for field in fields
         )
-        if D == 0.0:
-            raise InvalidValue(f"{setting.task}.D", D, "a damping above 0, to observe with")
+        for axis, damping in zip(setting.axes, D, strict=False):
+            if damping == 0.0:
+                raise InvalidValue(f"D of {axis}", damping, "a damping above 0, to observe with")
         if self._bandwidth is None:
-            self._bandwidth = usual_bandwidth(setting.robot, D)
-        feedback = float(moment.tick.feedback[setting.axis])
-        velocity = xd_ref - (feedback - P * float(moment.tick.error[setting.axis])) / D
+            self._bandwidth = np.array([usual_bandwidth(setting.robot, each) for each in D])
+        feedback = moment.tick.feedback[self._index]
+        velocity = xd_ref - (feedback - P * moment.tick.error[self._index]) / D
         if self._last is not None:
             commanded, velocity_then = self._last
-            missing = commanded - (velocity - velocity_then) / setting.dt
-            share = 1 - math.exp(-self._bandwidth * setting.dt)
+            missing = commanded - (velocity - velocity_then) / setting.period
+            share = 1 - np.exp(-self._bandwidth * setting.period)
             estimate = self.disturbance + share * (missing - self.disturbance)
-            self.disturbance = min(max(estimate, -self._limit), self._limit)
+            self.disturbance = np.clip(estimate, -self._limit, self._limit)
         self._last = (xdd_ref + xdd_ff + feedback, velocity)

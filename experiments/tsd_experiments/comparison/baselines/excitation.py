@@ -36,7 +36,7 @@ class Excitation(Compensator):
 
     def start(self, setting: Setting) -> None:
         """Note which tasks turn."""
-        self._dt = setting.dt
+        self._dt = setting.period
         self._first: float | None = None
         self._last: float | None = None
         self._axes = {

@@ -1,4 +1,4 @@
-r"""Integral action on the learned axis, what is tried first against a constant offset.
+r"""Integral action on the learned axes, what is tried first against a constant offset.
 
 .. math:: \ddot x_{ff} \mathrel{+}= K_i \int (x_{ref} - x) \, dt
 
@@ -7,6 +7,8 @@ which is stable for :math:`K_i < P D` (Routh).
 """
 
 from __future__ import annotations
+
+import numpy as np
 
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
@@ -22,15 +24,15 @@ class IntegralAction(Compensator):
     """Adds the integral of the error, from the first tick of the hold on.
 
     Attributes:
-        integral: What it adds now [m/s^2].
+        integral: What it adds now, (k,) [m/s^2, rad/s^2].
     """
 
     def __init__(self, Ki: float | None = None, limit: float = LIMIT) -> None:
         """Set the gain.
 
         Args:
-            Ki: [1/s^3]; by default a ninth of P D of the task at the first tick.
-            limit: The integral stops there, against winding up [m/s^2].
+            Ki: [1/s^3]; by default a ninth of P D of each axis at the first tick.
+            limit: The integral stops there, against winding up [m/s^2, rad/s^2].
 
         Raises:
             InvalidValue: If a number is not positive.
@@ -40,17 +42,19 @@ class IntegralAction(Compensator):
                 raise InvalidValue(name, value, "a positive number")
         self._given = Ki
         self._limit = limit
-        self.integral = 0.0
+        self.integral = np.zeros(0)
 
     def start(self, setting: Setting) -> None:
         """Forget the last run."""
         self._setting = setting
-        self._Ki = self._given
-        self.integral = 0.0
+        k = setting.learned
+        self._index = setting.index[:k]
+        self._Ki = None if self._given is None else np.full(k, self._given)
+        self.integral = np.zeros(k)
 
     def before(self, moment: Moment) -> None:
         """Add what was summed up to the last tick."""
-        moment.feedforward += self.integral
+        moment.feedforward[: len(self.integral)] += self.integral
 
     def after(self, moment: Moment) -> None:
         """Sum up the error of this tick; a failed tick has none."""
@@ -59,7 +63,7 @@ class IntegralAction(Compensator):
             return
         setting = self._setting
         if self._Ki is None:
-            P, D = (moment.command[f"{setting.task}.{gain}"][setting.component] for gain in "PD")
-            self._Ki = float(ROUTH_SHARE * P * D)
-        wanted = self.integral + self._Ki * setting.dt * float(moment.tick.error[setting.axis])
-        self.integral = min(max(wanted, -self._limit), self._limit)
+            P, D = (setting.gain(moment.command, gain)[: setting.learned] for gain in "PD")
+            self._Ki = ROUTH_SHARE * P * D
+        wanted = self.integral + self._Ki * setting.period * moment.tick.error[self._index]
+        self.integral = np.clip(wanted, -self._limit, self._limit)

@@ -93,6 +93,7 @@ def learn_joint_torques(
         run = simulator.run(
             controller,
             motion,
+            axes=motion.axes(simulator.robot),
             laps=laps,
             gains=gains,
             compensators=[recorded, LearnedTorque(learned)],
