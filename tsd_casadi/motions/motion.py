@@ -103,10 +103,12 @@ class Motion(abc.ABC):
         """
         omega = 2 * math.pi * self.frequency
         offset = self.offset(self.start_phase + elapsed)
+        xd, xdd = omega * offset.by_phase, omega**2 * offset.by_phase_twice
+        if elapsed >= math.pi:
+            return Reference(offset.x, xd, xdd)
         s, sd, sdd = _smooth_step(elapsed / math.pi)
         # derivatives of s by time: its argument runs at omega / pi
         sd, sdd = sd * omega / math.pi, sdd * (omega / math.pi) ** 2
-        xd, xdd = omega * offset.by_phase, omega**2 * offset.by_phase_twice
         return Reference(
             x=s * offset.x,
             xd=sd * offset.x + s * xd,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -47,13 +47,22 @@ class Setting:
         Returns:
             (k,) [1/s^2] or [1/s].
         """
-        found = np.empty(len(self.axes))
-        for place, axis in enumerate(self.axes):
-            task, _, component = axis.rpartition(".")
-            found[place] = command[f"{task}.{name}"][
-                self.controller.format.component_index(task, component)
-            ]
-        return found
+        return command.request[self._gain_places[name]]
+
+    @cached_property
+    def _gain_places(self) -> dict[str, Vector]:
+        known = self.controller.format
+        pairs = [axis.rpartition(".")[::2] for axis in self.axes]
+        return {
+            name: np.array(
+                [
+                    known.request.slice(f"{task}.{name}").start + known.component_index(task, axis)
+                    for task, axis in pairs
+                ],
+                dtype=int,
+            )
+            for name in ("P", "D")
+        }
 
 
 @dataclass(slots=True)

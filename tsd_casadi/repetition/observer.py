@@ -13,7 +13,9 @@ class Observer(Protocol):
     """Told of everything that happens, in order, in the thread of the loop.
 
     A tick waits for it: whoever has more to do than to take a note does it in a
-    thread or process of its own.
+    thread or process of its own. An error of an observer ends the repetition.
+    Every observer that was told of the start is told of the end, also then; the
+    one that was told of the start first is told of the end last.
     """
 
     def start(self, setting: Setting) -> None:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from time import perf_counter
 from typing import Any
 
 import numpy as np
+import pinocchio
 
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.encoding.laps import Lap, first_steady_lap
@@ -22,15 +24,16 @@ from tsd_casadi.motions.ranges import check_motion
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.observer import Observer
-from tsd_casadi.repetition.plant import Plant
+from tsd_casadi.repetition.plant import Plant, Truth
 from tsd_casadi.repetition.references import References
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.repetition.tick_log import TickLog
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.state import Vector
+from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.format import Status
 
 HOLD = 1.0  # s
+LAP_COLUMNS = ("phase", "feedback", "error", "reference", "feedforward")
 # laps added beyond those asked for while the feedback has not settled
 EXTRA_LAPS = 12
 # of the home height of the centre of mass
@@ -93,6 +96,7 @@ def repeat(
 
     Raises:
         InvalidValue: If motion, axes or settings are out of range.
+        UnknownField: If no task has one of the axes.
         SimulationError: If the controller serves another robot.
     """
     robot = plant.robot
@@ -105,15 +109,15 @@ def repeat(
     repetition = _Repetition(
         plant, controller, motion, learned, feedforward, gains, compensators, observers
     )
-    plant.start(motion.middle(robot), seed)
-    outcome = "aborted"
-    try:
+    # whoever was told of the start is told of the end, whatever happens between them
+    with ExitStack() as ends:
+        for observer in observers:
+            ends.callback(repetition.end, observer)
+            observer.start(repetition.setting)
+        plant.start(motion.middle(robot), seed)
         repetition.hold(progress)
         repetition.move(laps, progress)
-        outcome = repetition.outcome
-    finally:
-        for observer in observers:
-            observer.end(outcome)
+        repetition.over = True
     settings = {
         **plant.settings(),
         "period_s": plant.period,
@@ -169,10 +173,13 @@ class _Repetition:
         self._flight_height = FLIGHT_HEIGHT * float(robot.home_com[2])
         self._log = TickLog()
         self._laps: list[Lap] = []
+        self.over = False
         self._fell = False
         self._steady = False
+        # where nobody tells the truth
+        self._model, self._data = robot.model, robot.model.createData()
         self._compensators, self._observers = compensators, (self._log, *observers)
-        self._setting = Setting(
+        self.setting = Setting(
             robot=robot,
             controller=controller,
             motion=motion,
@@ -181,15 +188,14 @@ class _Repetition:
             index=self._references.index,
             period=plant.period,
         )
+        self._log.start(self.setting)
         for compensator in compensators:
-            compensator.start(self._setting)
-        for observer in self._observers:
-            observer.start(self._setting)
+            compensator.start(self.setting)
 
-    @property
-    def outcome(self) -> str:
-        """How it ended, in a word or two."""
-        return "fell" if self._fell else "steady" if self._steady else "never steady"
+    def end(self, observer: Observer) -> None:
+        """Tell an observer that it is over, and how it ended."""
+        outcome = "fell" if self._fell else "steady" if self._steady else "never steady"
+        observer.end(outcome if self.over else "aborted")
 
     @property
     def _time(self) -> float:
@@ -235,10 +241,10 @@ class _Repetition:
         return Run(
             robot=self._robot.name,
             motion=self._motion,
-            axes=self._setting.axes,
+            axes=self.setting.axes,
             feedforward=feedforward,
             gains={
-                name: self._setting.gain(self._command, name)[: self._learned].tolist()
+                name: self.setting.gain(self._command, name)[: self._learned].tolist()
                 for name in ("P", "D")
             },
             settings=settings,
@@ -257,11 +263,11 @@ class _Repetition:
 
     def _along(self, learned: Vector) -> Vector:
         """Values of the learned axes as values of all axes, zero along the others."""
-        rest = np.zeros((len(self._setting.axes) - self._learned, learned.shape[1]))
+        rest = np.zeros((len(self.setting.axes) - self._learned, learned.shape[1]))
         return np.concatenate((learned, rest))
 
     def _resting(self) -> Reference:
-        nothing = np.zeros(len(self._setting.axes))
+        nothing = np.zeros(len(self.setting.axes))
         return Reference(nothing, nothing, nothing)
 
     def _lap(self) -> None:
@@ -277,7 +283,7 @@ class _Repetition:
             self._oscillator.advance(self._plant.period)
             tick += 1
         if not self._fell:
-            rows, k = self._log.columns(start), self._learned
+            rows, k = self._log.columns(start, LAP_COLUMNS), self._learned
             done = Lap(
                 phase=rows["phase"],
                 feedback=rows["feedback"].T[:k],
@@ -298,8 +304,7 @@ class _Repetition:
             if plant.velocity_time == plant.position_time
             else self._motion.reference(elapsed + omega * plant.velocity_time)
         )
-        full = self._resting()
-        x, xd, xdd = full.x.copy(), full.xd.copy(), full.xdd.copy()
+        x, xd, xdd = np.zeros((3, len(self.setting.axes)))
         x[self._places], xd[self._places], xdd[self._places] = here.x, there.xd, here.xdd
         return Reference(x, xd, xdd)
 
@@ -317,11 +322,11 @@ class _Repetition:
             compensator.before(moment)
         self._references.write(reference.x, reference.xd, reference.xdd, moment.feedforward)
         moment.true_error = (
-            np.full(len(self._setting.axes), np.nan)
+            np.full(len(self.setting.axes), np.nan)
             if truth is None
             else self._references.errors(truth.state, truth.com)
         )
-        if moment.shift.any() or moment.shift_rate.any():
+        if self._compensators and (moment.shift.any() or moment.shift_rate.any()):
             self._references.shift(moment.shift, moment.shift_rate)
         before = perf_counter()
         moment.tick = self._controller.tick(state, self._command)
@@ -333,11 +338,13 @@ class _Repetition:
             observer.tick(moment)
         plant.apply(moment.tau)
 
-    def _stands(self, state: Any, truth: Any) -> bool:
-        """Whether the robot is on its feet; NaN is a fall as well."""
+    def _stands(self, state: State, truth: Truth | None) -> bool:
+        """Whether the robot is on its feet, as measured unless somebody knows; NaN is a fall."""
         if not float(state.v @ state.v) < BLOWN_UP**2:
             return False
-        com = self._robot.center_of_mass(state.q) if truth is None else truth.com
+        com = (
+            pinocchio.centerOfMass(self._model, self._data, state.q) if truth is None else truth.com
+        )
         return bool(self._fall_height < com[2] < self._flight_height)
 
     def _ask_after(self, moment: Moment) -> None:

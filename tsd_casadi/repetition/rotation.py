@@ -30,15 +30,26 @@ def quaternion_of(theta: Vector) -> Vector:
     Args:
         theta: (3,) [rad].
     """
-    half = 0.5 * math.sqrt(float(theta @ theta))
-    # np.sinc is sin(pi x) / (pi x), 1 at 0
-    return np.append(0.5 * np.sinc(half / math.pi) * theta, math.cos(half))
+    x, y, z = theta.tolist()
+    half = 0.5 * math.sqrt(x * x + y * y + z * z)
+    # sin(half) / (2 half), by its series near 0
+    share = 0.5 - half * half / 12 if half < 1e-4 else 0.5 * math.sin(half) / half
+    return np.array((share * x, share * y, share * z, math.cos(half)))
 
 
 def multiply(one: Vector, other: Vector) -> Vector:
     """Compute the product of two quaternions xyzw: first the other rotation, then the one, (4,)."""
-    x, y = one[:3], other[:3]
-    return np.append(one[3] * y + other[3] * x + np.cross(x, y), one[3] * other[3] - x @ y)
+    *x, a = one.tolist()
+    *y, b = other.tolist()
+    u, v, w = _cross(x, y)
+    return np.array(
+        (
+            a * y[0] + b * x[0] + u,
+            a * y[1] + b * x[1] + v,
+            a * y[2] + b * x[2] + w,
+            a * b - x[0] * y[0] - x[1] * y[1] - x[2] * y[2],
+        )
+    )
 
 
 def angular_motion(theta: Vector, rate: Vector, rate_rate: Vector) -> tuple[Vector, Vector]:
@@ -52,15 +63,30 @@ def angular_motion(theta: Vector, rate: Vector, rate_rate: Vector) -> tuple[Vect
     Returns:
         omega (3,) [rad/s] and alpha (3,) [rad/s^2].
     """
-    a, b, a_rate, b_rate = _coefficients(math.sqrt(float(theta @ theta)))
-    spin = float(theta @ rate)
-    once = np.cross(theta, rate)
-    twice = np.cross(theta, once)
-    omega = rate + a * once + b * twice
-    alpha = rate_rate + a * np.cross(theta, rate_rate)
-    alpha += b * np.cross(theta, np.cross(theta, rate_rate))
-    alpha += a_rate * spin * once + b_rate * spin * twice + b * np.cross(rate, once)
-    return omega, alpha
+    t, d, dd = theta.tolist(), rate.tolist(), rate_rate.tolist()
+    a, b, a_rate, b_rate = _coefficients(math.sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]))
+    spin = t[0] * d[0] + t[1] * d[1] + t[2] * d[2]
+    once, again = _cross(t, d), _cross(t, dd)
+    twice, twice_again = _cross(t, once), _cross(t, again)
+    drift = _cross(d, once)
+    omega = [d[i] + a * once[i] + b * twice[i] for i in range(3)]
+    alpha = [
+        dd[i]
+        + a * again[i]
+        + b * (twice_again[i] + drift[i])
+        + spin * (a_rate * once[i] + b_rate * twice[i])
+        for i in range(3)
+    ]
+    return np.array(omega), np.array(alpha)
+
+
+def _cross(x: list[float], y: list[float]) -> list[float]:
+    # on three numbers each NumPy's own takes ten times as long
+    return [
+        x[1] * y[2] - x[2] * y[1],
+        x[2] * y[0] - x[0] * y[2],
+        x[0] * y[1] - x[1] * y[0],
+    ]
 
 
 def _coefficients(t: float) -> tuple[float, float, float, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -65,17 +66,17 @@ class TickLog:
         """How many there were."""
         return len(self._rows)
 
-    def columns(self, start: int, end: int | None = None) -> dict[str, Vector]:
-        """Give arrays by name, first axis the tick, see ``COLUMNS``.
+    def columns(self, start: int, names: Sequence[str] = COLUMNS) -> dict[str, Vector]:
+        """Give arrays by name, first axis the tick.
 
         Args:
             start: First tick.
-            end: One after the last; all to the end by default.
+            names: Which of ``COLUMNS``.
         """
-        rows = self._rows[start:end]
+        rows, places = self._rows[start:], [COLUMNS.index(name) for name in names]
         return {
-            name: np.array([row[column] for row in rows], dtype=LOG_FIELDS[name].type)
-            for column, name in enumerate(COLUMNS)
+            name: np.array([row[place] for row in rows], dtype=LOG_FIELDS[name].type)
+            for name, place in zip(names, places, strict=True)
         }
 
     def log(self, first_lap: int | None) -> dict[str, Vector]:
