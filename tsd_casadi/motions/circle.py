@@ -26,7 +26,7 @@ class Circle(Motion):
         frequency: Laps per second [Hz].
     """
 
-    amplitude: float = parameter("m", "radius", low=0.0, extent=True)
+    amplitude: float = parameter("m", "radius", low=0.0, extent=True, usual=0.02)
     frequency: float = parameter("Hz", "laps per second", default=0.25, low=0.01)
 
     name = "circle"

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.exceptions.did_you_mean import did_you_mean
 from tsd_casadi.motions.parameter import LARGEST, RESERVED, Parameter
 
 
@@ -28,6 +29,11 @@ class Declaration:
         """Tell the unit of a parameter; empty if it is none of this motion."""
         return next((item.unit for item in self.parameters if item.name == name), "")
 
+    @classmethod
+    def unknown(cls, motion: str, version: str = "") -> Declaration:
+        """Stand for what nobody said: any parameter, without unit, default or range."""
+        return cls(motion, version, ())
+
     def complete(self, given: Mapping[str, float]) -> dict[str, float]:
         """Check the parameters, and fill in those with a default.
 
@@ -39,14 +45,18 @@ class Declaration:
                 range that makes sense on any robot.
         """
         known = {item.name: item for item in self.parameters}
+        if not known:
+            known = {name: Parameter(name, "") for name in given}
         for name, value in given.items():
             if name in RESERVED:
                 raise InvalidValue(f"parameter '{name}'", f"{value:g}", "another name")
             if name not in known:
-                raise InvalidValue(f"parameter of the {self.motion}", f"'{name}'", self._listed())
+                expected = self._listed() + did_you_mean(name, known)
+                raise InvalidValue(f"parameter of the {self.motion}", f"'{name}'", expected)
             item = known[name]
             if not abs(value) < LARGEST:
-                raise InvalidValue(name, value, f"a number in {item.unit} below {LARGEST:g}")
+                unit = f" in {item.unit}" if item.unit else ""
+                raise InvalidValue(name, value, f"a number{unit} below {LARGEST:g}")
             if not item.low <= value <= item.high:
                 raise InvalidValue(name, value, f"{item.low:g} to {item.high:g} {item.unit}")
         defaults = {item.name: item.default for item in self.parameters if item.default is not None}

@@ -22,7 +22,7 @@ class Lean(Motion):
         frequency: Laps per second [Hz].
     """
 
-    amplitude: float = parameter("m", "half of peak to peak", low=0.0, extent=True)
+    amplitude: float = parameter("m", "half of peak to peak", low=0.0, extent=True, usual=0.02)
     frequency: float = parameter("Hz", "laps per second", default=0.25, low=0.01)
 
     name = "lean"

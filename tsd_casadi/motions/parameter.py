@@ -9,7 +9,20 @@ from typing import Any
 # of any parameter, in its SI unit
 LARGEST = 1e6
 # words of queries and of the database that a parameter cannot have for a name
-RESERVED = ("motion", "task", "robot", "kind", "extrapolate", "region", "axes")
+RESERVED = (
+    "motion",
+    "task",
+    "robot",
+    "kind",
+    "extrapolate",
+    "region",
+    "axes",
+    "body",
+    "formulation",
+    "correction",
+    "version",
+    "forget",
+)
 
 
 @dataclass(frozen=True)
@@ -25,6 +38,10 @@ class Parameter:
         high: Largest value that makes sense on any robot.
         extent: Whether it says how far the motion goes: its range is what the
             robot can reach, where its file does not narrow it.
+        place: Whether it says where the middle of the motion is: its range is
+            where the robot can stand, where its file does not narrow it.
+        usual: What a command that moves the robot takes where nothing is said and
+            there is no default; None if it has to be said there too.
     """
 
     name: str
@@ -34,6 +51,8 @@ class Parameter:
     low: float = -LARGEST
     high: float = LARGEST
     extent: bool = False
+    place: bool = False
+    usual: float | None = None
 
     def describe(self) -> str:
         """For people: 'height [m], default 0'."""
@@ -49,8 +68,10 @@ def parameter(
     low: float = -LARGEST,
     high: float = LARGEST,
     extent: bool = False,
+    place: bool = False,
+    usual: float | None = None,
 ) -> Any:
     """Declare a field of a motion's class as one of its parameters; see ``Parameter``."""
-    declared = Parameter("", unit, meaning, default, low, high, extent)
+    declared = Parameter("", unit, meaning, default, low, high, extent, place, usual)
     value = dataclasses.MISSING if default is None else default
     return dataclasses.field(default=value, metadata={"parameter": declared})

@@ -28,9 +28,9 @@ class Squat(Motion):
         height: h, middle of the motion above home [m].
     """
 
-    amplitude: float = parameter("m", "half of peak to peak", low=0.0, extent=True)
+    amplitude: float = parameter("m", "half of peak to peak", low=0.0, extent=True, usual=0.03)
     frequency: float = parameter("Hz", "laps per second", default=0.25, low=0.01)
-    height: float = parameter("m", "middle of the motion above home", default=0.0)
+    height: float = parameter("m", "middle of the motion above home", default=0.0, place=True)
 
     name = "squat"
     start_phase = math.pi

@@ -22,7 +22,9 @@ class Twist(Motion):
         frequency: Laps per second [Hz].
     """
 
-    amplitude: float = parameter("rad", "half of peak to peak", low=0.0, high=3.0, extent=True)
+    amplitude: float = parameter(
+        "rad", "half of peak to peak", low=0.0, high=3.0, extent=True, usual=0.1
+    )
     frequency: float = parameter("Hz", "laps per second", default=0.25, low=0.01)
 
     name = "twist"

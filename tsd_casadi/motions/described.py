@@ -1,0 +1,45 @@
+"""Whether what a robot file says of motions is about motions that there are."""
+
+from __future__ import annotations
+
+from tsd_casadi.exceptions import RobotFileError
+from tsd_casadi.exceptions.did_you_mean import did_you_mean
+from tsd_casadi.motions.catalogue import shipped_motions
+from tsd_casadi.motions.motion import Motion, declared_parameters
+from tsd_casadi.robot.robot import Robot
+
+
+def check_described(robot: Robot, kind: type[Motion] | None = None) -> None:
+    """Refuse sections of a robot file that narrow nothing.
+
+    Args:
+        kind: Somebody's own motion that may have a section as well.
+
+    Raises:
+        RobotFileError: If a motion, or a parameter of it, is unknown; it names the
+            field.
+    """
+    described = robot.description.motions
+    if not described:
+        return
+    known = dict(shipped_motions())
+    if kind is not None:
+        known[kind.name] = kind
+    for name, part in described.items():
+        field = f"motions.{name}"
+        if name not in known:
+            raise RobotFileError(
+                robot.path,
+                field,
+                "is no motion",
+                f"one of {', '.join(known)}{did_you_mean(name, known)}",
+            )
+        parameters = [item.name for item in declared_parameters(known[name])]
+        for parameter in part.ranges:
+            if parameter not in parameters:
+                raise RobotFileError(
+                    robot.path,
+                    f"{field}.{parameter}",
+                    f"is no parameter of the {name}",
+                    f"one of {', '.join(parameters)}{did_you_mean(parameter, parameters)}",
+                )
