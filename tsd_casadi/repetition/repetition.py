@@ -155,6 +155,7 @@ class _Repetition:
         axes = (*learned, *(axis for axis in self._moved if axis not in learned))
         self._learned = len(learned)
         self._places = np.array([axes.index(axis) for axis in self._moved], dtype=int)
+        self._all_move = axes == self._moved
         self._feedforward = (
             Feedforward.zero(learned, PeriodicBasis())
             if feedforward is None
@@ -304,6 +305,8 @@ class _Repetition:
             if plant.velocity_time == plant.position_time
             else self._motion.reference(elapsed + omega * plant.velocity_time)
         )
+        if self._all_move:
+            return Reference(here.x, there.xd, here.xdd)
         x, xd, xdd = np.zeros((3, len(self.setting.axes)))
         x[self._places], xd[self._places], xdd[self._places] = here.x, there.xd, here.xdd
         return Reference(x, xd, xdd)

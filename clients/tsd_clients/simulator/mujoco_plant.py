@@ -69,14 +69,12 @@ class MujocoPlant:
         Returns:
             The true state, and the one that the robot's sensors tell.
         """
-        # positions and velocities first, so that the true centre of mass is the
-        # one of the state that the controller is asked about
-        mujoco.mj_step1(self._model, self._data)
-        true = self._state_map.read(self._data)
-        self.com = self._data.subtree_com[self._state_map.base_body]
-        if self._encoders is None:
+        true, sensed = self._sense()
+        # a copy: the simulation overwrites its own
+        self.com = self._data.subtree_com[self._state_map.base_body].copy()
+        if sensed is None:
             return true, true
-        angles, velocities = self._encoders.measure(true.q[7:], true.v[6:])
+        angles, velocities = sensed
         if self._estimator is not None:
             return true, self._estimator.estimate(angles, velocities)
         measured = State(
@@ -93,8 +91,17 @@ class MujocoPlant:
         """
         for index in range(self._substeps):
             if index:
-                mujoco.mj_step1(self._model, self._data)
+                # encoders and their filters run at the simulation's step
+                self._sense()
             self._substep(tau, time + index * self._dt)
+
+    def _sense(self) -> tuple[State, tuple[Vector, Vector] | None]:
+        # positions and velocities first, so that the true centre of mass is the
+        # one of the state that the controller is asked about
+        mujoco.mj_step1(self._model, self._data)
+        true = self._state_map.read(self._data)
+        encoders = self._encoders
+        return true, None if encoders is None else encoders.measure(true.q[7:], true.v[6:])
 
     def _substep(self, tau: Vector, time: float) -> None:
         data = self._data
