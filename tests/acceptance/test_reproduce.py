@@ -19,6 +19,7 @@ import pytest
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.generalization.weight_regression import WeightRegression
+from tsd_casadi.motions.squat import Squat
 from tsd_experiments.beyond.two_parameters.grid import GRID
 from tsd_experiments.harness.section import Goal
 from tsd_experiments.reproduce import EXPERIMENTS
@@ -89,7 +90,7 @@ def _coverage(data: Data) -> float:
     weights = [data.last_weights(f"grid-entry-{name}") for name in learned]
     names = ("amplitude", "frequency")
     inputs = np.array(list(learned.values()))
-    regression = WeightRegression("squat", names, inputs, weights, basis)
+    regression = WeightRegression(Squat.declaration(), names, inputs, weights, basis)
     phase = np.linspace(0, 2 * np.pi, 256, endpoint=False)
     inside = []
     for name, point in held_out.items():

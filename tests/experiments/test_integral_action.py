@@ -15,7 +15,12 @@ from tsd_experiments.comparison.baselines.integral_action import ROUTH_SHARE, In
 
 P, D, DT = 50.0, 2 * np.sqrt(50.0), 1e-3
 GAINS = {"com.P": np.array([0.0, P]), "com.D": np.array([0.0, D])}
-SETTING: Any = SimpleNamespace(task="com", component=1, axis=1, dt=DT)
+SETTING: Any = SimpleNamespace(
+    learned=1,
+    index=np.array([1]),
+    period=DT,
+    gain=lambda command, name: command[f"com.{name}"][1:],
+)
 
 
 def simulate(correction: Compensator, disturbance: float, seconds: float) -> np.ndarray:
@@ -24,13 +29,14 @@ def simulate(correction: Compensator, disturbance: float, seconds: float) -> np.
     x = v = 0.0
     errors = []
     for _ in range(round(seconds / DT)):
-        moment: Any = SimpleNamespace(feedforward=0.0, command=GAINS)
+        moment: Any = SimpleNamespace(feedforward=np.zeros(2), command=GAINS)
         correction.before(moment)
         moment.tick = SimpleNamespace(status=Status.OK, error=np.array([9.0, -x]))
         correction.after(moment)
-        v += DT * (moment.feedforward - P * x - D * v + disturbance)
+        v += DT * (moment.feedforward[0] - P * x - D * v + disturbance)
         x += DT * v
         errors.append(-x)
+        assert moment.feedforward[1] == 0.0  # an axis that only moves
     return np.array(errors)
 
 
@@ -53,7 +59,7 @@ def test_the_routh_limit(share: float, stable: bool) -> None:
 def test_the_integral_stops_at_its_limit_and_comes_back() -> None:
     action = IntegralAction(200.0, limit=0.5)
     errors = simulate(action, disturbance=2.0, seconds=10.0)
-    assert action.integral == pytest.approx(-0.5)
+    assert action.integral == pytest.approx([-0.5])
     assert errors[-1] == pytest.approx(-(2.0 - 0.5) / P, rel=1e-3)
     simulate(action, disturbance=0.0, seconds=0.01)
     assert abs(action.integral) < 0.5
@@ -62,7 +68,7 @@ def test_the_integral_stops_at_its_limit_and_comes_back() -> None:
 def test_a_failed_tick_is_not_summed_up() -> None:
     action = IntegralAction(200.0)
     action.start(SETTING)
-    moment: Any = SimpleNamespace(feedforward=0.0, command=GAINS)
+    moment: Any = SimpleNamespace(feedforward=np.zeros(2), command=GAINS)
     moment.tick = SimpleNamespace(status=Status.SINGULAR, error=np.ones(2))
     action.after(moment)
     assert action.integral == 0.0
@@ -76,13 +82,16 @@ def test_refused(arguments: dict[str, float]) -> None:
         IntegralAction(**arguments)
 
 
-def test_it_removes_the_mean_on_a_robot_with_lags(robot: Robot, controller: Controller) -> None:
+def test_it_removes_the_mean_of_every_axis_on_a_robot_with_lags(
+    robot: Robot, controller: Controller
+) -> None:
     simulator = MujocoSimulator(robot, 0.1, ["lag", "delay", "differencing"])
     action = IntegralAction()
     for _ in range(2):  # the second run starts afresh
         run = simulator.run(controller, Squat(0.01, 1.0), compensators=[action])
         assert run.steady
-        errors = run.log["error"][run.log["measured"]]
-        assert abs(errors.mean()) < 2e-4
+        assert len(run.learned) == 3
+        errors = run.measured("error")
+        assert np.abs(errors.mean(axis=0)).max() < 2e-4
         assert run.log["error"][0] == pytest.approx(run.log["error"][1], abs=1e-4)
-        assert run.log["feedforward"][0] == 0.0
+        assert not run.log["feedforward"][0].any()

@@ -20,19 +20,20 @@ from tsd_experiments.comparison.baselines.joint_torque_learning import (
 from tsd_experiments.comparison.baselines.torque_feedforward import LearnedTorque, TorqueFeedforward
 
 SQUAT = Squat(0.02, 1.0)
+AXES = ("com.z",)
 
 
 @pytest.fixture
 def setting(robot: Robot, controller: Controller) -> Setting:
-    axis = controller.format.axis_index("com", "z")
-    component = controller.format.component_index("com", "z")
-    return Setting(robot, controller, "com", component, axis, 1e-3)
+    index = np.array([controller.format.axis_index("com", "z")])
+    return Setting(robot, controller, SQUAT, AXES, 1, index, 1e-3)
 
 
 def ask(setting: Setting, state: State, offset: float) -> tuple[Moment, np.ndarray]:
     command = setting.controller.command()
     command["com.reference"][2] += offset
-    moment = Moment(0.0, 0.0, 0, state, Reference(0.0, 0.0, 0.0), 0.0, command)
+    zero = np.zeros(1)
+    moment = Moment(0.0, 0.0, 0, state, Reference(zero, zero, zero), zero, command)
     moment.tick = setting.controller.tick(state, command)
     moment.tau = moment.tick.tau
     recorder = FeedbackTorque()
@@ -69,7 +70,7 @@ def test_feedback_torque_lifts_the_mass_as_asked(setting: Setting, robot: Robot)
     side = np.concatenate((np.zeros(6), torque, np.zeros(len(J))))
     qdd = np.linalg.solve(kkt, side)[: robot.nv]
     J_com = pinocchio.jacobianCenterOfMass(model, data, q)
-    feedback = moment.tick.feedback[setting.axis]
+    feedback = moment.tick.feedback[setting.index[0]]
     assert feedback == pytest.approx(50 * 0.004)
     np.testing.assert_allclose(J_com @ qdd, [0, 0, feedback], atol=2e-3 * feedback)
 
@@ -94,10 +95,10 @@ def test_learned_torque_is_added_at_its_phase(setting: Setting, robot: Robot) ->
 def test_learning_reduces_the_error(robot: Robot, controller: Controller) -> None:
     simulator = MujocoSimulator(robot, 0.1)
     runs, learned = learn_joint_torques(simulator, controller, SQUAT, 2, laps=2)
-    shown = simulator.run(controller, SQUAT, compensators=[LearnedTorque(learned)])
-    first, second = (run.rms_error for run in runs)
+    shown = simulator.run(controller, SQUAT, axes=AXES, compensators=[LearnedTorque(learned)])
+    first, second, last = (run.errors["com.z"].rms for run in (*runs, shown))
     assert second < first / 10
-    assert shown.rms_error < second / 3
+    assert last < second / 3
     assert learned.weights.shape == (robot.n, PeriodicBasis().L)
     assert learned.joints == tuple(robot.joint_names)
     assert learned.parameters == SQUAT.parameters
@@ -128,10 +129,10 @@ def test_generalised_torques_follow_the_amplitude() -> None:
         for A in (0.02, 0.04, 0.06, 0.08)
     ]
     asked = {"amplitude": 0.05, "frequency": 0.5}
-    predicted = generalize_torques("squat", learned, asked)
+    predicted = generalize_torques(Squat.declaration(), learned, asked)
     assert predicted.parameters == asked
     np.testing.assert_allclose(predicted.weights, 2.0 * shape, atol=0.03)
     with pytest.raises(EntryNotFound):
-        generalize_torques("squat", learned[:1], asked)
+        generalize_torques(Squat.declaration(), learned[:1], asked)
     with pytest.raises(InvalidValue, match="learned"):
-        generalize_torques("squat", [], asked)
+        generalize_torques(Squat.declaration(), [], asked)

@@ -9,7 +9,7 @@ from tsd_casadi.center_of_mass.fit import StaticPose, fit_correction
 from tsd_casadi.center_of_mass.pose_design import design_poses
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_clients import ModelError, MujocoSimulator
-from tsd_clients.simulator.mujoco_plant import TIMESTEP, MujocoPlant
+from tsd_clients.simulator.mujoco_plant import MujocoPlant
 from tsd_clients.simulator.static_poses import collect, true_center_of_mass, with_noise
 from tsd_experiments.beyond.true_center_of_mass.study import assess, by_poses_and_noise
 
@@ -67,11 +67,11 @@ def test_ground_force_is_newtons_second_law(
     for tick in range(300):
         _, state = plant.measure()
         coms.append(plant.com.copy())
-        plant.step(controller.tick(state, command).tau, tick * TIMESTEP)
+        plant.step(controller.tick(state, command).tau, tick * simulator.period)
         force, center = plant.ground_force()
         forces.append(force)
         centers.append(center)
-    acceleration = np.diff(coms, n=2, axis=0) / TIMESTEP**2
+    acceleration = np.diff(coms, n=2, axis=0) / simulator.period**2
     expected = simulator.model.body_mass.sum() * (acceleration - simulator.model.opt.gravity)
     np.testing.assert_allclose(np.array(forces)[50:-2], expected[50:], atol=2.0)
     assert np.abs(acceleration[50:]).max() > 0.3

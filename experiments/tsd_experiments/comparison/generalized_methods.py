@@ -18,7 +18,7 @@ def generalized_acceleration(benches: Sequence[Bench], asked: Motion) -> Alterna
     learned = [learn_task(bench) for bench in benches]
     names, inputs = varied([item.parameters for item in learned])
     weights = [item.weights for item in learned]
-    regression = WeightRegression(asked.name, names, inputs, weights, learned[0].basis)
+    regression = WeightRegression(asked.declaration(), names, inputs, weights, learned[0].basis)
     mean, deviations = regression.predict(asked.parameters)
     feedforward = replace(
         learned[0],
@@ -38,7 +38,7 @@ def generalized_acceleration(benches: Sequence[Bench], asked: Motion) -> Alterna
 def generalized_torque(benches: Sequence[Bench], asked: Motion) -> Alternative:
     """Generalise joint torques to a motion that was never tried."""
     learned = [learn_torque(bench) for bench in benches]
-    torques = generalize_torques(asked.name, learned, asked.parameters)
+    torques = generalize_torques(asked.declaration(), learned, asked.parameters)
     return Alternative(
         benches[0].controller,
         compensators=[LearnedTorque(torques)],

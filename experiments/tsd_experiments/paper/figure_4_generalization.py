@@ -9,6 +9,7 @@ import numpy as np
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.generalization.weight_regression import WeightRegression
+from tsd_casadi.motions.squat import Squat
 from tsd_experiments.harness.case import Case
 from tsd_experiments.harness.experiment import Done, Experiment
 from tsd_experiments.harness.job import Job, Result
@@ -204,7 +205,9 @@ def _predict(kind: str, known: Mapping[float, Sequence[float]], asked: float) ->
     else:
         basis = PeriodicBasis.of_size(weights.shape[1])
         matrices = [row[None, :] for row in weights]
-        regression = WeightRegression("squat", ["amplitude"], amplitudes[:, None], matrices, basis)
+        regression = WeightRegression(
+            Squat.declaration(), ["amplitude"], amplitudes[:, None], matrices, basis
+        )
         found = regression.predict({"amplitude": asked}, extrapolate=True)[0][0]
         if kind == "constant":
             found = np.full_like(found, found.mean())

@@ -12,6 +12,7 @@ from tsd_casadi.encoding.harmonics import sample_phases
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.motions.squat import Squat
 from tsd_casadi.state import Matrix, Vector
 from tsd_experiments.beyond.two_parameters.grid import NAMES, Point
 
@@ -31,7 +32,7 @@ class Predictions:
         """Fit the regression to the entries at some points."""
         weights = [self._entries[point] for point in points]
         basis = PeriodicBasis.of_size(weights[0].shape[1])
-        return WeightRegression("squat", NAMES, np.array(points), weights, basis)
+        return WeightRegression(Squat.declaration(), NAMES, np.array(points), weights, basis)
 
     def interpolation(self, points: Sequence[Point]) -> Any:
         """Interpolate linearly between the entries at some points."""

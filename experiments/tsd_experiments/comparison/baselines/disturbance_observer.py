@@ -91,6 +91,11 @@ class DisturbanceObserver(Compensator):
         """Forget the last run."""
         k = setting.learned
         self._setting, self._index = setting, setting.index[:k]
+        # where each axis lies in its task's fields
+        self._places = [
+            (task, setting.controller.format.component_index(task, component))
+            for task, _, component in (axis.rpartition(".") for axis in setting.axes[:k])
+        ]
         self._last: tuple[Vector, Vector] | None = None
         self._bandwidth = None if self._given is None else np.full(k, self._given)
         self.disturbance = np.zeros(k)
@@ -109,10 +114,11 @@ class DisturbanceObserver(Compensator):
         if moment.tick.status != Status.OK:
             self._last = None
             return
-        setting, command = self._setting, moment.command
+        setting = self._setting
         fields = ("P", "D", "reference_velocity", "reference_acceleration", "feedforward")
         P, D, xd_ref, xdd_ref, xdd_ff = (
-            setting.gain(command, field)[: setting.learned] for field in fields
+            np.array([moment.command[f"{task}.{field}"][place] for task, place in self._places])
+            for field in fields
         )
         for axis, damping in zip(setting.axes, D, strict=False):
             if damping == 0.0:

@@ -8,16 +8,18 @@ import numpy as np
 
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.generalization.weight_regression import WeightRegression
+from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.state import Matrix
 from tsd_experiments.comparison.baselines.torque_feedforward import TorqueFeedforward
 
 
 def generalize_torques(
-    motion: str, learned: Sequence[TorqueFeedforward], parameters: dict[str, float]
+    declaration: Declaration, learned: Sequence[TorqueFeedforward], parameters: dict[str, float]
 ) -> TorqueFeedforward:
     """Generalise torques to parameters that were never tried, as task accelerations are.
 
     Args:
+        declaration: Of the motion.
         learned: What was learned at other parameters; the regression is over
             those that differ.
         parameters: The parameters asked for, SI units.
@@ -35,7 +37,7 @@ def generalize_torques(
     first = learned[0]
     names, inputs = varied([other.parameters for other in learned])
     regression = WeightRegression(
-        motion, names, inputs, [other.weights for other in learned], first.basis
+        declaration, names, inputs, [other.weights for other in learned], first.basis
     )
     mean, _ = regression.predict(parameters)
     return TorqueFeedforward(first.joints, first.basis, mean, dict(parameters))
