@@ -3,26 +3,36 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import platformdirs
 
+from tsd_casadi.database.answering import (
+    UNKNOWN_CONTEXT,
+    Answering,
+    by_axes,
+    declaration_of,
+    newest,
+)
 from tsd_casadi.database.database_file import DatabaseFile
-from tsd_casadi.database.entry_rows import EntryRows
-from tsd_casadi.exceptions import EntryNotFound, InvalidValue
+from tsd_casadi.database.entry_rows import DamagedEntry, EntryRows
+from tsd_casadi.exceptions import EntryNotFound, InvalidValue, OutsideTrainedRange
 from tsd_casadi.generalization.entry_regression import (
     EntryRegressions,
     describe_entries,
     describe_motion,
 )
 from tsd_casadi.generalization.suggestion import Region, Suggestion, suggest
+from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.instruction import USUAL, Instruction
 from tsd_casadi.learning.recording import Recording
-from tsd_casadi.motions.parameter import complete_parameters
 
 
 def default_path() -> Path:
@@ -34,7 +44,7 @@ def default_path() -> Path:
 
 
 class Database:
-    """Learned feedforward terms by robot, motion and parameters of the motion.
+    """Learned feedforward terms by robot, motion, its parameters, axes and context.
 
     Every method is one transaction, so a process that dies in between loses
     nothing that was answered.
@@ -74,14 +84,24 @@ class Database:
         self.close()
 
     def entries(self, robot: str | None = None, motion: str | None = None) -> list[Entry]:
-        """Read entries, in the order of their identifiers.
+        """Read entries, in the order of their identifiers; ``damaged`` lists what is missing.
 
         Args:
             robot: Only of this robot.
             motion: Only of this motion.
         """
         with self._file.transaction():
-            return self._rows.read(robot, motion)
+            return self._rows.read(robot, motion)[0]
+
+    def damaged(self, robot: str | None = None, motion: str | None = None) -> list[DamagedEntry]:
+        """List entries that cannot be read.
+
+        Args:
+            robot: Only of this robot.
+            motion: Only of this motion.
+        """
+        with self._file.transaction():
+            return self._rows.read(robot, motion)[1]
 
     def record(
         self, recording: Recording, instruction: Instruction = USUAL
@@ -98,39 +118,47 @@ class Database:
             InvalidValue: If a parameter is missing or makes no sense, or the
                 recording lacks what the rule needs.
             IncompatibleEntry: If it does not fit the entry.
+            DatabaseError: If the entry is damaged.
         """
-        key = recording.key
-        parameters = complete_parameters(key.motion, dict(key.parameters))
-        key = EntryKey.of(key.robot, key.motion, key.axes, parameters)
         with self._file.transaction("IMMEDIATE"):
-            entry = self._rows.find(key)
+            recording = self._complete(recording)
+            key = recording.key
+            entry, notes = self._rows.find(key), []
             if entry is not None and instruction.restart:
-                self._rows.delete(entry.identifier)
+                self._rows.forget(entry.identifier, _now())
                 entry = None
             if entry is None:
-                entry = Entry(key, recording.basis, recording.context)
-            notes = entry.add(recording, instruction)
-            self._rows.store(entry)
+                entry = Entry(key, recording.basis, recording.circumstances)
+            elif entry.key != key:
+                notes.append(
+                    f"entry {entry.identifier} was {UNKNOWN_CONTEXT}; it is of this one from now on"
+                )
+                entry.key = key
+            notes += entry.add(recording, instruction)
+            entry.updated = _now()
+            self._rows.add(entry, "recorded")
         return entry, notes
 
-    def forget(self, identifier: int) -> Entry:
+    def forget(self, identifier: int) -> Entry | None:
         """Remove an entry with all its iterations.
 
         Args:
             identifier: Its number.
 
         Returns:
-            The entry that was removed.
+            The entry that was removed; None if it could not be read any more.
 
         Raises:
             EntryNotFound: If there is none of that number.
         """
         with self._file.transaction("IMMEDIATE"):
-            for entry in self._rows.read():
-                if entry.identifier == identifier:
-                    self._rows.delete(identifier)
-                    return entry
-        raise EntryNotFound(f"no entry {identifier}; 'tsd database list' shows what there is")
+            if not self._rows.exists(identifier):
+                raise EntryNotFound(
+                    f"no entry {identifier}; 'tsd database list' shows what there is"
+                )
+            entries, _ = self._rows.read()
+            self._rows.forget(identifier, _now())
+        return next((entry for entry in entries if entry.identifier == identifier), None)
 
     def query(
         self,
@@ -140,6 +168,9 @@ class Database:
         robot: str | None = None,
         kind: str | None = None,
         extrapolate: bool = False,
+        axes: Sequence[str] | None = None,
+        context: Context | None = None,
+        version: str | None = None,
         **parameters: float,
     ) -> Feedforward:
         """Look up or generalise the feedforward for some parameters of a motion.
@@ -151,6 +182,12 @@ class Database:
                 over the other entries; by default the exact entry where there
                 is one.
             extrapolate: Generalise outside the learned range too.
+            axes: Along which it is wanted, names 'task.axis'. An entry for fewer
+                of them serves too: the answer names those that it knows.
+            context: In which it is wanted; by default that of the newest
+                recording, and the answer counts the entries of others. Entries
+                of unknown context serve where there is no other.
+            version: Of the motion; that of the newest recording by default.
             parameters: SI units; those with a default may be left out.
 
         Raises:
@@ -158,23 +195,31 @@ class Database:
                 kind is unknown.
             EntryNotFound: If nothing fits.
             OutsideTrainedRange: If it would be an extrapolation.
+            DatabaseError: If the entry with these parameters is damaged.
         """
         if kind not in (None, "learned", "generalised"):
             raise InvalidValue("kind", repr(kind), "learned or generalised")
-        complete = complete_parameters(motion, parameters)
-        entries = self._candidates(motion, robot)
-        wanted = EntryKey.of("", motion, (), complete).parameters
-        exact = [entry for entry in entries if entry.key.parameters == wanted]
-        if exact and kind in (None, "learned"):
-            # the same parameters with other axes are another entry: the newest counts
-            return max(exact, key=lambda entry: (entry.updated, entry.identifier)).feedforward()
+        entries, damaged = self._candidates(motion, robot)
+        answering = Answering.among(motion, entries, version, context)
+        wanted = EntryKey.of(
+            "", motion, "", (), answering.declaration.complete(parameters)
+        ).parameters
+        if kind in (None, "learned"):
+            for group in answering.groups:
+                exact = [entry for entry in group if entry.key.parameters == wanted]
+                for same_axes in by_axes(exact, axes)[:1]:
+                    entry = newest(same_axes)
+                    return _told(entry.feedforward(), answering, entry)
+            for each in damaged:
+                if each.parameters == wanted:
+                    raise each.error(self.path)
         if kind == "learned":
             raise EntryNotFound(
                 f"no entry for {describe_motion(motion, wanted)}; there is "
-                f"{describe_entries(entries)}. Learn it with 'tsd learn {motion}', or ask for a "
-                "generalised feedforward"
+                f"{describe_entries(answering.entries)}{_elsewhere(answering)}. Learn it with "
+                f"'tsd learn {motion}', or ask for a generalised feedforward"
             )
-        return self._regressions.generalize(motion, entries, dict(wanted), extrapolate)
+        return self._generalize(answering, dict(wanted), extrapolate, axes)
 
     def suggest(
         self,
@@ -183,6 +228,9 @@ class Database:
         *,
         robot: str | None = None,
         region: Region,
+        axes: Sequence[str] | None = None,
+        context: Context | None = None,
+        version: str | None = None,
         **parameters: float,
     ) -> Suggestion:
         """Choose the parameters of a motion whose repetition would teach most.
@@ -191,7 +239,11 @@ class Database:
             motion: Name of the motion, for instance 'squat'.
             robot: May be left out while there is only one.
             region: (low, high) of each parameter that may be chosen, SI units.
-            parameters: The others, SI units; those with a default may be left out.
+            axes: As in ``query``.
+            context: As in ``query``.
+            version: As in ``query``.
+            parameters: The others, SI units; those with a default may be left out
+                once something is known of the motion.
 
         Returns:
             Parameters, with the predicted standard deviation there.
@@ -202,12 +254,77 @@ class Database:
             EntryNotFound: If the entries do not fit together, or every place in
                 the region has one.
         """
-        entries = self._candidates(motion, robot)
-        return suggest(motion, entries, self._regressions, region, parameters)
+        entries, _ = self._candidates(motion, robot)
+        answering = Answering.among(motion, entries, version, context)
+        groups = [same for group in answering.groups for same in by_axes(group, axes)]
+        used = groups[0] if groups else []
+        place = suggest(answering.declaration, used, self._regressions, region, parameters)
+        provenance = answering.provenance(used[0]) if used else {"others": answering.others}
+        return replace(place, provenance=provenance, declaration=answering.declaration)
 
-    def _candidates(self, motion: str, robot: str | None) -> list[Entry]:
-        entries = self.entries(robot, motion)
+    def _generalize(
+        self,
+        answering: Answering,
+        wanted: dict[str, float],
+        extrapolate: bool,
+        axes: Sequence[str] | None,
+    ) -> Feedforward:
+        """Generalise over the first entries that are enough, of one context and set of axes."""
+        first: EntryNotFound | OutsideTrainedRange | None = None
+        declaration = answering.declaration
+        for group in answering.groups:
+            for same_axes in by_axes(group, axes):
+                try:
+                    predicted = self._regressions.generalize(
+                        declaration, same_axes, wanted, extrapolate
+                    )
+                except (EntryNotFound, OutsideTrainedRange) as error:
+                    first = first or error
+                else:
+                    return _told(predicted, answering, same_axes[0])
+        if first is not None:
+            raise first
+        raise EntryNotFound(
+            f"nothing to generalise {describe_motion(declaration.motion, wanted.items())} from; "
+            f"there is {describe_entries(answering.entries)}{_elsewhere(answering)}. Learn some "
+            f"with 'tsd learn {declaration.motion}'"
+        )
+
+    def _complete(self, recording: Recording) -> Recording:
+        """Check a recording against the motion's declaration, and fill in what has a default."""
+        key, declaration = recording.key, recording.declaration
+        if declaration is None:
+            entries, _ = self._rows.read(key.robot, key.motion)
+            declaration = declaration_of(key.motion, key.version, entries)
+        if (declaration.motion, declaration.version) != (key.motion, key.version):
+            raise InvalidValue(
+                "declaration",
+                f"of {declaration.motion}, version {declaration.version}",
+                f"that of {key.motion}, version {key.version}",
+            )
+        parameters = declaration.complete(dict(key.parameters))
+        complete = EntryKey.of(
+            key.robot, key.motion, key.version, key.axes, parameters, key.context
+        )
+        return replace(recording, key=complete)
+
+    def _candidates(self, motion: str, robot: str | None) -> tuple[list[Entry], list[DamagedEntry]]:
+        with self._file.transaction():
+            entries, damaged = self._rows.read(robot, motion)
         robots = sorted({entry.key.robot for entry in entries})
         if len(robots) > 1:
             raise EntryNotFound(f"name the robot, the database knows {', '.join(robots)}")
-        return entries
+        return entries, damaged
+
+
+def _told(feedforward: Feedforward, answering: Answering, used: Entry) -> Feedforward:
+    provenance = {**feedforward.provenance, **answering.provenance(used)}
+    return replace(feedforward, provenance=provenance)
+
+
+def _elsewhere(answering: Answering) -> str:
+    return f" (and {answering.others} of other contexts)" if answering.others else ""
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="seconds")

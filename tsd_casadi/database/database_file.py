@@ -8,8 +8,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from tsd_casadi.database.schema import prepare
-from tsd_casadi.exceptions import DatabaseError
+from tsd_casadi.database.migration import migrate
+from tsd_casadi.database.schema import SCHEMA_VERSION, check_tables, make_tables, read_version
+from tsd_casadi.exceptions import DatabaseError, InvalidValue
 
 
 class DatabaseFile:
@@ -40,7 +41,9 @@ class DatabaseFile:
                 path, f"cannot be opened ({error})", "name a file in a folder you may write to"
             ) from error
         try:
-            prepare(self.connection)
+            # damaged text is for the checksums to tell
+            self.connection.text_factory = lambda text: text.decode(errors="replace")
+            self._prepare()
         except sqlite3.OperationalError as error:
             self.close()
             raise DatabaseError(
@@ -48,7 +51,14 @@ class DatabaseFile:
                 f"cannot be read ({error})",
                 "check permissions, free disk space and whether another process holds it",
             ) from error
-        except (sqlite3.DatabaseError, ValueError, TypeError, RecursionError) as error:
+        except InvalidValue as error:  # of the backup
+            self.close()
+            raise DatabaseError(
+                path,
+                f"is of an older version and was not migrated ({error})",
+                "make room for a backup beside it",
+            ) from error
+        except (sqlite3.DatabaseError, ValueError, TypeError, KeyError, RecursionError) as error:
             # besides SQLite's own, text that is none and JSON of older files that is damaged
             self.close()
             raise DatabaseError(
@@ -60,6 +70,24 @@ class DatabaseFile:
     def close(self) -> None:
         """Close the file."""
         self.connection.close()
+
+    def _prepare(self) -> None:
+        """Make the tables of a new file, bring an older file up to date, check them."""
+        if read_version(self.connection) != SCHEMA_VERSION:
+            # another process may be at the same: look again once it is done
+            self.connection.execute("BEGIN IMMEDIATE")
+            version = read_version(self.connection)
+            if version == 0:
+                make_tables(self.connection)
+            elif version < SCHEMA_VERSION:
+                migrate(self.connection, self.path, version)
+            self.connection.execute("COMMIT")
+        check_tables(self.connection)
+        # a file that cannot be written to is told now, not at the first recording
+        self.connection.execute("BEGIN IMMEDIATE")
+        self.connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+        self.connection.execute("COMMIT")
+        self.connection.execute("PRAGMA foreign_keys = ON")
 
     def execute(self, statement: str, values: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
         """Run a statement and read all rows that it answers.

@@ -3,124 +3,199 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
-from datetime import UTC, datetime
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
+from tsd_casadi.database.checksum import with_checksum
 from tsd_casadi.database.database_file import DatabaseFile
-from tsd_casadi.database.rows import EntryRow, IterationRow
-from tsd_casadi.document import AnyDocument
+from tsd_casadi.database.rows import (
+    EntryRow,
+    EventKind,
+    EventRow,
+    IterationRow,
+    build,
+    entry_columns,
+    event_columns,
+    iteration_columns,
+)
 from tsd_casadi.exceptions import DatabaseError
+from tsd_casadi.learning.context import NOWHERE
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
-from tsd_casadi.learning.iteration import Iteration
 
-# what a test leaves in its iteration, as weights
-FITTED = ("feedback", "error_weights", "reference_weights")
+_NOT_FORGOTTEN = "id NOT IN (SELECT entry FROM event WHERE kind = 'forgotten')"
+
+
+@dataclass(frozen=True)
+class DamagedEntry:
+    """An entry that cannot be read.
+
+    Attributes:
+        identifier: Its number.
+        reason: What is wrong with it.
+        parameters: Of the motion as far as they can be read, rounded and sorted
+            as those of a key.
+    """
+
+    identifier: int
+    reason: str
+    parameters: tuple[tuple[str, float], ...] = ()
+
+    def error(self, path: Path) -> DatabaseError:
+        """Make the error of whoever needs it.
+
+        Args:
+            path: The file.
+        """
+        return DatabaseError(
+            path,
+            f"holds a damaged entry {self.identifier} ({self.reason})",
+            f"restore a copy, or 'tsd database forget {self.identifier}'; the others stay readable",
+        )
 
 
 class EntryRows:
-    """Reads and writes entries; the caller begins and ends the transactions."""
+    """Reads entries and adds to them; the caller begins and ends the transactions."""
 
     def __init__(self, file: DatabaseFile) -> None:
         """Take an open file."""
         self._file = file
 
-    def read(self, robot: str | None = None, motion: str | None = None) -> list[Entry]:
-        """Read entries, in the order of their identifiers.
+    def read(
+        self, robot: str | None = None, motion: str | None = None
+    ) -> tuple[list[Entry], list[DamagedEntry]]:
+        """Read entries, in the order of their identifiers, and which are damaged.
 
         Args:
             robot: Only of this robot.
             motion: Only of this motion.
-
-        Raises:
-            DatabaseError: If one is damaged.
         """
-        rows = self._file.execute(
-            f"SELECT {', '.join(EntryRow.model_fields)} FROM entry "
-            "WHERE (?1 IS NULL OR robot = ?1) AND (?2 IS NULL OR task = ?2) ORDER BY id",
+        rows = self._select(
+            "entry",
+            f"(?1 IS NULL OR robot = ?1) AND (?2 IS NULL OR motion = ?2) AND {_NOT_FORGOTTEN} "
+            "ORDER BY id",
             (robot, motion),
         )
-        return [self._entry(row) for row in rows]
+        entries, damaged = [], []
+        for row in rows:
+            try:
+                entries.append(self._entry(row))
+            except ValueError as error:  # of pydantic, or one of ours for shapes and rules
+                reason = " ".join(str(error).split())
+                damaged.append(DamagedEntry(row["id"], reason, _parameters(row["parameters"])))
+        return entries, damaged
 
     def find(self, key: EntryKey) -> Entry | None:
-        """Find the entry of a key, if there is one."""
-        for entry in self.read(key.robot, key.motion):
-            if entry.key == key:
-                return entry
+        """Find the entry of a key; one of unknown context where there is no other.
+
+        Raises:
+            DatabaseError: If the entry with these parameters is damaged.
+        """
+        entries, damaged = self.read(key.robot, key.motion)
+        for wanted in (key, replace(key, context=NOWHERE)):
+            for entry in entries:
+                if entry.key == wanted:
+                    return entry
+        for each in damaged:
+            if each.parameters == key.parameters:
+                raise each.error(self._file.path)
         return None
 
-    def store(self, entry: Entry) -> None:
-        """Write an entry with all its iterations; a new one gets its identifier."""
-        entry.updated = datetime.now(UTC).isoformat(timespec="seconds")
-        state = (
-            json.dumps(asdict(entry.context)),
-            entry.learning_gain,
-            entry.rule.name,
-            entry.updated,
-        )
-        if entry.identifier:
-            self._file.execute(
-                "UPDATE entry SET context = ?, learning_gain = ?, rule = ?, updated = ? "
-                "WHERE id = ?",
-                (*state, entry.identifier),
-            )
-        else:
-            key = (
-                entry.key.robot,
-                entry.key.motion,
-                json.dumps(entry.key.axes),
-                json.dumps(dict(entry.key.parameters)),
-                entry.basis.L,
-                entry.basis.width,
-            )
-            rows = self._file.execute(
-                "INSERT INTO entry (context, learning_gain, rule, updated, robot, task, axes, "
-                "parameters, basis_size, basis_width) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
-                "RETURNING id",
-                (*state, *key),
-            )
-            entry.identifier = rows[0][0]
-        self._file.execute("DELETE FROM iteration WHERE entry = ?", (entry.identifier,))
+    def exists(self, identifier: int) -> bool:
+        """Say whether there is an entry of that number, readable or not."""
+        return bool(self._select("entry", f"id = ? AND {_NOT_FORGOTTEN}", (identifier,)))
+
+    def add(self, entry: Entry, kind: EventKind) -> None:
+        """Add what is new of an entry; a new one gets its identifier.
+
+        Args:
+            kind: What happened to it.
+        """
+        event = self._next("event")
+        if not entry.identifier:
+            entry.identifier = self._next("entry")
+            self._insert("entry", entry_columns(entry))
+        self._insert("event", event_columns(entry, event, kind))
+        if kind == "recorded":
+            entry.sequence = event
+        known = {row["number"]: row for row in self._iterations(entry.identifier)}
         for iteration in entry.iterations:
-            self._store_iteration(entry.identifier, iteration)
+            columns = iteration_columns(entry.identifier, event, iteration)
+            before = known.get(iteration.number)
+            if before is None or any(
+                before[name] != value for name, value in columns.items() if name != "event"
+            ):
+                self._insert("iteration", columns)
 
-    def delete(self, identifier: int) -> None:
-        """Remove an entry with all its iterations."""
-        self._file.execute("DELETE FROM entry WHERE id = ?", (identifier,))
-
-    def _store_iteration(self, identifier: int, iteration: Iteration) -> None:
-        fitted = (getattr(iteration, name) for name in FITTED)
-        self._file.execute(
-            "INSERT INTO iteration (entry, number, learned_from, weights, errors, gains, "
-            "feedback, error_weights, reference_weights) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
-            (
-                identifier,
-                iteration.number,
-                iteration.learned_from,
-                json.dumps(iteration.weights.tolist()),
-                json.dumps(iteration.errors) if iteration.errors else None,
-                json.dumps(iteration.gains) if iteration.errors else None,
-                *(None if weights is None else json.dumps(weights.tolist()) for weights in fitted),
-            ),
+    def forget(self, identifier: int, time: str) -> None:
+        """Note that an entry counts no more, damaged or not."""
+        self._insert(
+            "event",
+            {
+                "id": self._next("event"),
+                "entry": identifier,
+                "kind": "forgotten",
+                "time": time,
+                "body": "",
+                "formulation": "",
+                "correction": "",
+                "declaration": None,
+                "circumstances": '{"gains": {}}',
+                "rule": "plain",
+                "learning_gain": 1.0,
+            },
         )
 
-    def _entry(self, row: tuple[Any, ...]) -> Entry:
+    def _entry(self, row: Mapping[str, Any]) -> Entry:
+        identifier = (row["id"],)
+        events = self._select("event", "entry = ? ORDER BY id", identifier)
+        iterations = self._iterations(row["id"])
+        return build(
+            EntryRow.check(row),
+            [EventRow.check(each) for each in events],
+            [IterationRow.check(each) for each in iterations],
+        )
+
+    def _iterations(self, identifier: int) -> list[dict[str, Any]]:
+        """Read the newest row of each iteration."""
+        return self._select(
+            "iteration",
+            "entry = ?1 AND (number, event) IN (SELECT number, max(event) FROM iteration "
+            "WHERE entry = ?1 GROUP BY number) ORDER BY number",
+            (identifier,),
+        )
+
+    def _select(
+        self, table: str, condition: str, values: tuple[Any, ...] = ()
+    ) -> list[dict[str, Any]]:
+        names = COLUMNS[table]
         rows = self._file.execute(
-            f"SELECT {', '.join(IterationRow.model_fields)} FROM iteration "
-            "WHERE entry = ? ORDER BY number",
-            (row[0],),
+            f"SELECT {', '.join(names)} FROM {table} WHERE {condition}", values
         )
-        try:
-            iterations = [_checked(IterationRow, each) for each in rows]
-            return _checked(EntryRow, row).entry(iterations)
-        except ValueError as error:  # of pydantic, or one of ours for shapes and rules
-            raise DatabaseError(
-                self._file.path,
-                f"holds a damaged entry {row[0]} ({' '.join(str(error).split())})",
-                "restore a copy, or delete that row of the table 'entry'",
-            ) from error
+        return [dict(zip(names, row, strict=True)) for row in rows]
+
+    def _insert(self, table: str, columns: dict[str, Any]) -> None:
+        row = with_checksum(columns)
+        self._file.execute(
+            f"INSERT INTO {table} ({', '.join(row)}) VALUES ({', '.join('?' for _ in row)})",
+            tuple(row.values()),
+        )
+
+    def _next(self, table: str) -> int:
+        return int(self._file.execute(f"SELECT coalesce(max(id), 0) + 1 FROM {table}")[0][0])
 
 
-def _checked(kind: type[AnyDocument], row: tuple[Any, ...]) -> AnyDocument:
-    return kind.model_validate(dict(zip(kind.model_fields, row, strict=True)))
+COLUMNS = {
+    "entry": (*EntryRow.model_fields, "checksum"),
+    "event": (*EventRow.model_fields, "checksum"),
+    "iteration": (*IterationRow.model_fields, "checksum"),
+}
+
+
+def _parameters(text: Any) -> tuple[tuple[str, float], ...]:
+    with suppress(ValueError, TypeError, AttributeError):
+        return tuple(sorted((str(n), round(float(v), 6)) for n, v in json.loads(text).items()))
+    return ()

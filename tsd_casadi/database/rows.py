@@ -2,105 +2,240 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, is_dataclass
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, Json
 
-from tsd_casadi.document import Document, to_matrix
+from tsd_casadi.database.checksum import checksum
+from tsd_casadi.document import AnyDocument, Document, Finite, to_matrix
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import MalformedMessage
+from tsd_casadi.learning.axis_error import AxisError
+from tsd_casadi.learning.circumstances import Circumstances
+from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.iteration import Iteration
-from tsd_casadi.learning.recording import Context
 from tsd_casadi.learning.rules.by_name import find_rule
+from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.state import Matrix
 
-# a measure of a repetition may be unknown, the RMS error is not
-Measure = Annotated[float, Field(allow_inf_nan=True)]
-Rows = list[list[float]]
+Numbers = list[list[float]]
+EventKind = Literal["recorded", "imported", "migrated", "forgotten"]
 
 
-class ContextColumn(Document):
-    """Circumstances of the recordings, in the column 'context'."""
+class Row(Document):
+    """A row of a table; the fields are its columns but the checksum."""
 
-    formulation: str
-    model: str
-    gains: dict[str, list[float]]
-    version: str
+    @classmethod
+    def check(cls: type[AnyDocument], columns: Mapping[str, Any]) -> AnyDocument:
+        """Check a row and its checksum.
 
-
-class EntryRow(Document):
-    """A row of the table 'entry'; the fields are its columns."""
-
-    id: int
-    robot: str
-    task: str
-    axes: Json[Annotated[tuple[str, ...], Field(min_length=1)]]
-    parameters: Json[dict[str, float]]
-    basis_size: Annotated[int, Field(ge=1, le=100_000)]
-    basis_width: float
-    context: Json[ContextColumn]
-    learning_gain: float
-    rule: str
-    updated: str
-
-    def entry(self, iterations: list[IterationRow]) -> Entry:
-        """Build the entry with its iterations.
+        Args:
+            columns: All columns by name.
 
         Raises:
-            MalformedMessage: If weights are of another shape than axes and basis.
-            InvalidValue: If the basis makes no sense or the rule is unknown.
+            ValueError: If it is not what was written, or makes no sense.
         """
-        basis = PeriodicBasis(self.basis_size, self.basis_width)
-        shape = len(self.axes), basis.L
-        return Entry(
-            key=EntryKey.of(self.robot, self.task, self.axes, self.parameters),
-            basis=basis,
-            context=Context(**self.context.model_dump()),
-            iterations=[row.iteration(shape) for row in iterations],
-            learning_gain=self.learning_gain,
-            rule=find_rule(self.rule),
-            identifier=self.id,
-            updated=self.updated,
-        )
+        content = {name: value for name, value in columns.items() if name != "checksum"}
+        if columns["checksum"] != checksum(content):
+            raise MalformedMessage("a row that does not fit its checksum", "it as it was written")
+        return cls.model_validate(content)
 
 
-class IterationRow(Document):
-    """A row of the table 'iteration'; the fields are its columns but the first."""
+class BasisColumn(Document):
+    """The numbers of a periodic basis."""
 
-    number: int
+    L: Annotated[int, Field(ge=1, le=100_000)]
+    width: float
+
+
+class EntryRow(Row):
+    """A row of the table 'entry': what an entry is for."""
+
+    id: Annotated[int, Field(ge=1)]
+    robot: Annotated[str, Field(min_length=1)]
+    motion: Annotated[str, Field(min_length=1)]
+    version: str
+    axes: Json[Annotated[tuple[str, ...], Field(min_length=1)]]
+    parameters: Json[dict[str, Finite]]
+    basis_kind: Literal["periodic"]
+    basis: Json[BasisColumn]
+
+
+class EventRow(Row):
+    """A row of the table 'event': what happened to an entry, and how it is since."""
+
+    id: int
+    entry: int
+    kind: EventKind
+    time: str
+    body: str
+    formulation: str
+    correction: str
+    declaration: Json[Declaration] | None
+    circumstances: Json[Circumstances]
+    rule: str
+    learning_gain: Finite
+
+
+class IterationRow(Row):
+    """A row of the table 'iteration': how an iteration is since an event."""
+
+    entry: int
+    number: Annotated[int, Field(ge=0)]
+    event: int
     learned_from: int | None
-    weights: Json[Rows]
-    errors: Json[dict[str, Measure]] | None
-    gains: Json[dict[str, list[float]]] | None
-    feedback: Json[Rows] | None
-    error_weights: Json[Rows] | None
-    reference_weights: Json[Rows] | None
+    epoch: Annotated[int, Field(ge=0)]
+    weights: Json[Numbers]
+    uncertainty: Json[Numbers] | None
+    errors: Json[dict[str, AxisError]] | None
+    circumstances: Json[Circumstances] | None
+    feedback: Json[Numbers] | None
+    error_weights: Json[Numbers] | None
+    reference_weights: Json[Numbers] | None
 
-    def iteration(self, shape: tuple[int, int]) -> Iteration:
+    def iteration(self, axes: tuple[str, ...], L: int) -> Iteration:
         """Build the iteration.
 
         Args:
-            shape: Of the weights, (k, L).
+            axes: Of the entry.
+            L: Number of basis functions.
 
         Raises:
-            MalformedMessage: If weights are of another shape or the RMS error is missing.
+            MalformedMessage: If weights are of another shape or errors of other axes.
         """
-        if self.errors is not None and not self.errors.get("rms_error_m", -1.0) >= 0:
-            raise MalformedMessage("errors without a valid rms_error_m", "an RMS error in metres")
+        if self.errors is not None:
+            if tuple(self.errors) != axes:
+                raise MalformedMessage(
+                    f"errors of {', '.join(self.errors)}", f"of {', '.join(axes)}"
+                )
+            if not all(math.isfinite(e.rms) and e.rms >= 0 for e in self.errors.values()):
+                raise MalformedMessage("errors without a valid RMS error", "a number not below 0")
 
         def matrix(name: str) -> Matrix | None:
             rows = getattr(self, name)
-            return None if rows is None else to_matrix(name, rows, shape)
+            return None if rows is None else to_matrix(name, rows, (len(axes), L))
 
         return Iteration(
             number=self.number,
-            weights=to_matrix("weights", self.weights, shape),
+            weights=to_matrix("weights", self.weights, (len(axes), L)),
             errors=self.errors,
-            gains=self.gains,
+            circumstances=self.circumstances,
             feedback=matrix("feedback"),
             error_weights=matrix("error_weights"),
             reference_weights=matrix("reference_weights"),
             learned_from=self.learned_from,
+            epoch=self.epoch,
+            uncertainty=matrix("uncertainty"),
         )
+
+
+def build(row: EntryRow, events: list[EventRow], iterations: list[IterationRow]) -> Entry:
+    """Build an entry of what its rows say.
+
+    Args:
+        row: Of the table 'entry'.
+        events: In their order, none of them 'forgotten'.
+        iterations: The newest row of each number, in the order of the numbers.
+
+    Raises:
+        ValueError: If the rows do not fit together.
+    """
+    if not events or not iterations:
+        raise MalformedMessage("no event or no iteration of it", "at least one of each")
+    newest = events[-1]
+    basis = PeriodicBasis(row.basis.L, row.basis.width)
+    declarations = [event.declaration for event in events if event.declaration is not None]
+    return Entry(
+        key=EntryKey.of(
+            row.robot,
+            row.motion,
+            row.version,
+            row.axes,
+            row.parameters,
+            Context(newest.body, newest.formulation, newest.correction),
+        ),
+        basis=basis,
+        circumstances=newest.circumstances,
+        declaration=declarations[-1] if declarations else None,
+        iterations=[each.iteration(row.axes, basis.L) for each in iterations],
+        learning_gain=newest.learning_gain,
+        rule=find_rule(newest.rule),
+        identifier=row.id,
+        updated=newest.time,
+        sequence=max((event.id for event in events if event.kind == "recorded"), default=0),
+    )
+
+
+def entry_columns(entry: Entry) -> dict[str, Any]:
+    """Write down what an entry is for."""
+    return {
+        "id": entry.identifier,
+        "robot": entry.key.robot,
+        "motion": entry.key.motion,
+        "version": entry.key.version,
+        "axes": encode(entry.key.axes),
+        "parameters": encode(dict(entry.key.parameters)),
+        "basis_kind": "periodic",
+        "basis": encode({"L": entry.basis.L, "width": entry.basis.width}),
+    }
+
+
+def event_columns(entry: Entry, event: int, kind: EventKind) -> dict[str, Any]:
+    """Write down how an entry is after an event."""
+    return {
+        "id": event,
+        "entry": entry.identifier,
+        "kind": kind,
+        "time": entry.updated,
+        "body": entry.key.context.body,
+        "formulation": entry.key.context.formulation,
+        "correction": entry.key.context.correction,
+        "declaration": encode(entry.declaration),
+        "circumstances": encode(entry.circumstances),
+        "rule": entry.rule.name,
+        "learning_gain": float(entry.learning_gain),
+    }
+
+
+def iteration_columns(entry: int, event: int, iteration: Iteration) -> dict[str, Any]:
+    """Write down how an iteration is after an event."""
+    errors = iteration.errors
+    return {
+        "entry": entry,
+        "number": iteration.number,
+        "event": event,
+        "learned_from": iteration.learned_from,
+        "epoch": iteration.epoch,
+        "weights": encode(iteration.weights.tolist()),
+        "uncertainty": _rows(iteration.uncertainty),
+        "errors": None
+        if errors is None
+        else encode({axis: error.plain() for axis, error in errors.items()}),
+        "circumstances": encode(iteration.circumstances),
+        "feedback": _rows(iteration.feedback),
+        "error_weights": _rows(iteration.error_weights),
+        "reference_weights": _rows(iteration.reference_weights),
+    }
+
+
+def encode(value: Any) -> Any:
+    """Write plain data or a dataclass of it as JSON; None stays None.
+
+    Raises:
+        ValueError: If a number is not finite, or it is no plain data.
+    """
+    if value is None:
+        return None
+    if is_dataclass(value) and not isinstance(value, type):
+        value = asdict(value)
+    return json.dumps(value, allow_nan=False)
+
+
+def _rows(weights: Matrix | None) -> Any:
+    return None if weights is None else encode(weights.tolist())

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
+from dataclasses import asdict
 
 import numpy as np
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import EntryNotFound
 from tsd_casadi.generalization.weight_regression import WeightRegression
+from tsd_casadi.learning.axis_error import plain_errors
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.feedforward import Feedforward
-from tsd_casadi.motions.parameter import unit_of
+from tsd_casadi.motions.declaration import Declaration
 
 MINIMUM_ENTRIES = 2
 # fits that are kept, one per group of entries
 KEPT_FITS = 32
 
-_Content = tuple[str, tuple[str, ...], PeriodicBasis, bytes, bytes]
+_Content = tuple[Declaration, tuple[str, ...], PeriodicBasis, bytes, bytes]
 
 
 class EntryRegressions:
@@ -28,12 +30,17 @@ class EntryRegressions:
         self._fits: dict[_Content, WeightRegression] = {}
 
     def generalize(
-        self, motion: str, entries: Sequence[Entry], wanted: dict[str, float], extrapolate: bool
+        self,
+        declaration: Declaration,
+        entries: Sequence[Entry],
+        wanted: dict[str, float],
+        extrapolate: bool,
     ) -> Feedforward:
         """Predict weights for the wanted parameters from all entries but the exact one.
 
         Args:
-            entries: Entries of the motion on one robot.
+            declaration: What is said of the motion.
+            entries: Entries of it on one robot, of one context and one set of axes.
             wanted: All parameters of the motion, SI units.
             extrapolate: Answer outside the learned range too.
 
@@ -45,6 +52,7 @@ class EntryRegressions:
                 together, or all of them have a parameter that is not the wanted.
             OutsideTrainedRange: If it would be an extrapolation.
         """
+        motion = declaration.motion
         others = [
             entry
             for entry in entries
@@ -56,11 +64,11 @@ class EntryRegressions:
                 f"{MINIMUM_ENTRIES} learned entries beside that one; there is "
                 f"{describe_entries(entries)}. Learn more of them"
             )
-        regression = self.over(motion, others)
+        regression = self.over(declaration, others)
         for name, value in wanted.items():
             learned = dict(others[0].key.parameters)[name]
             if name not in regression.names and learned != value:
-                unit = unit_of(motion, name)
+                unit = declaration.unit_of(name)
                 raise EntryNotFound(
                     f"every learned {motion} has {name} {learned:g} {unit}, none can be "
                     f"generalised to {value:g} {unit}; learn some at other values of {name}"
@@ -72,12 +80,16 @@ class EntryRegressions:
             "parameters": [dict(entry.key.parameters) for entry in others],
             "iterations": [iteration.number for iteration in served],
             "iteration": min(iteration.number for iteration in served),
-            "errors": [iteration.errors for iteration in served],
-            "gains": [entry.context.gains for entry in others],
+            "errors": [
+                None if iteration.errors is None else plain_errors(iteration.errors)
+                for iteration in served
+            ],
+            "gains": [entry.circumstances.gains for entry in others],
             "kernel": regression.kernel,
             "length_scales": regression.length_scales,
             "calibration": regression.calibration,
-            "formulation": others[0].context.formulation,
+            "axes": list(others[0].key.axes),
+            "context": asdict(others[0].key.context),
         }
         return Feedforward(
             axes=others[0].key.axes,
@@ -87,9 +99,10 @@ class EntryRegressions:
             kind="generalised",
             parameters=wanted,
             provenance=provenance,
+            declaration=declaration,
         )
 
-    def over(self, motion: str, entries: Sequence[Entry]) -> WeightRegression:
+    def over(self, declaration: Declaration, entries: Sequence[Entry]) -> WeightRegression:
         """Fit over all parameters in which some entries differ, unless that was done.
 
         Args:
@@ -104,9 +117,9 @@ class EntryRegressions:
         inputs = np.array([[each[name] for name in names] for each in parameters])
         weights = [entry.served.weights for entry in entries]
         basis = entries[0].basis
-        content = motion, names, basis, inputs.tobytes(), np.stack(weights).tobytes()
+        content = declaration, names, basis, inputs.tobytes(), np.stack(weights).tobytes()
         if content not in self._fits:
-            regression = WeightRegression(motion, names, inputs, weights, basis)
+            regression = WeightRegression(declaration, names, inputs, weights, basis)
             if len(self._fits) >= KEPT_FITS:
                 self._fits.pop(next(iter(self._fits)))  # the oldest
             self._fits[content] = regression
@@ -132,11 +145,11 @@ def varied_parameters(entries: Sequence[Entry]) -> tuple[str, ...]:
 
 
 def _check_same_basis(entries: Sequence[Entry]) -> None:
-    kinds = {(entry.basis, entry.key.axes, entry.context.formulation) for entry in entries}
+    kinds = {(entry.basis, entry.key.axes, entry.key.context) for entry in entries}
     if len(kinds) > 1:
         raise EntryNotFound(
             f"the entries {describe_entries(entries)} were learned with different bases, axes "
-            "or formulations and cannot be generalised together; forget or restart some"
+            "or contexts and cannot be generalised together; forget or restart some"
         )
 
 

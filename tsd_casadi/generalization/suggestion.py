@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from tsd_casadi.generalization.entry_regression import (
     varied_parameters,
 )
 from tsd_casadi.learning.entry import Entry
-from tsd_casadi.motions.parameter import complete_parameters
+from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.state import Matrix, Vector
 
 # (low, high) of each parameter that may be chosen, SI units
@@ -36,15 +37,20 @@ class Suggestion:
     Attributes:
         parameters: All parameters of the motion, SI units.
         standard_deviation: How uncertain the feedforward is there, RMS over the
-            lap and the axes [m/s^2]; None while there are too few entries to tell.
+            lap and the axes [m/s^2, rad/s^2]; None while there are too few entries
+            to tell.
+        provenance: Which entries count, plain data.
+        declaration: What is said of the motion; None if nobody did.
     """
 
     parameters: dict[str, float]
     standard_deviation: float | None
+    provenance: dict[str, Any] = field(default_factory=dict)
+    declaration: Declaration | None = None
 
 
 def suggest(
-    motion: str,
+    declaration: Declaration,
     entries: Sequence[Entry],
     regressions: EntryRegressions,
     region: Region,
@@ -58,7 +64,8 @@ def suggest(
     comes first.
 
     Args:
-        entries: Entries of the motion on one robot.
+        declaration: What is said of the motion.
+        entries: Entries of it on one robot, of one context and one set of axes.
         regressions: Over such entries.
         region: (low, high) of each parameter that may be chosen, SI units.
         fixed: The other parameters, SI units.
@@ -72,7 +79,7 @@ def suggest(
         EntryNotFound: If the entries do not fit together, or every place in the
             region has one.
     """
-    names, low, high = _ends(motion, region, fixed)
+    names, low, high = _ends(declaration, region, fixed)
     # repetitions that taught nothing count as well, not to be suggested for ever
     taken = _places(entries, names)
     taken = taken[np.all(_same(taken, low)[:, low == high], axis=1)]
@@ -81,7 +88,7 @@ def suggest(
     grid = grid[~is_taken]
     if len(grid) == 0:
         raise EntryNotFound("every place of that region has an entry; name a larger region")
-    deviations = _deviations(motion, entries, regressions, names, grid)
+    deviations = _deviations(declaration, entries, regressions, names, grid)
     inside = np.sum(((low - SAME <= taken) & (taken <= high + SAME)).all(axis=1))
     if deviations is not None and inside > 2 ** len(region):
         best = int(np.argmax(deviations))
@@ -96,7 +103,7 @@ def suggest(
 
 
 def _ends(
-    motion: str, region: Region, fixed: Mapping[str, float]
+    declaration: Declaration, region: Region, fixed: Mapping[str, float]
 ) -> tuple[tuple[str, ...], Vector, Vector]:
     """Tell names, lowest and highest values of all parameters."""
     if not region:
@@ -109,7 +116,7 @@ def _ends(
                 f"the low value first, and no {name} beside it",
             )
     lows, highs = (
-        complete_parameters(motion, {**fixed, **{name: ends[i] for name, ends in region.items()}})
+        declaration.complete({**fixed, **{name: ends[i] for name, ends in region.items()}})
         for i in (0, 1)
     )
     names = tuple(sorted(lows))
@@ -141,7 +148,7 @@ def _grid(low: Vector, high: Vector) -> Matrix:
 
 
 def _deviations(
-    motion: str,
+    declaration: Declaration,
     entries: Sequence[Entry],
     regressions: EntryRegressions,
     names: tuple[str, ...],
@@ -155,7 +162,7 @@ def _deviations(
     same = [index for index, name in enumerate(names) if name not in varied]
     if not _same(grid, _places(learned[:1], names)[0])[:, same].all():
         return None  # the entries say nothing about another value of it
-    regression = regressions.over(motion, learned)
+    regression = regressions.over(declaration, learned)
     return regression.deviation(grid[:, [names.index(name) for name in regression.names]])
 
 

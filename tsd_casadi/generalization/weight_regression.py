@@ -25,7 +25,7 @@ from tsd_casadi.generalization.predictive_deviation import (
     leave_one_out,
     student_factor,
 )
-from tsd_casadi.motions.parameter import unit_of
+from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.state import Matrix, Vector
 
 # noise of learned weights, as a share of their variance: the most by which learning
@@ -39,7 +39,7 @@ class WeightRegression:
     """Gaussian process over some parameters of a motion for all weights at once.
 
     Attributes:
-        motion: Name of the motion.
+        declaration: What is said of the motion.
         names: Names of the parameters, d of them.
         low: Smallest learned value of each, (d,).
         high: Largest learned value of each, (d,).
@@ -47,7 +47,7 @@ class WeightRegression:
 
     def __init__(
         self,
-        motion: str,
+        declaration: Declaration,
         names: Sequence[str],
         inputs: Matrix,
         weights: Sequence[Matrix],
@@ -70,10 +70,11 @@ class WeightRegression:
         least = max(len(names) + 1, 2)
         if len(inputs) < least:
             raise EntryNotFound(
-                f"generalising over {' and '.join(names) or motion} needs at least {least} "
-                f"learned entries beside the queried one, there are {len(inputs)}; learn more"
+                f"generalising over {' and '.join(names) or declaration.motion} needs at least "
+                f"{least} learned entries beside the queried one, there are {len(inputs)}; learn "
+                "more"
             )
-        self.motion = motion
+        self.declaration = declaration
         self.names = tuple(names)
         self.basis = basis
         self.low: Vector = inputs.min(axis=0)
@@ -143,9 +144,8 @@ class WeightRegression:
         if not extrapolate:
             for name, value, low, high in zip(self.names, values, self.low, self.high, strict=True):
                 if not low <= value <= high:
-                    raise OutsideTrainedRange(
-                        name, float(value), float(low), float(high), unit_of(self.motion, name)
-                    )
+                    unit = self.declaration.unit_of(name)
+                    raise OutsideTrainedRange(name, float(value), float(low), float(high), unit)
         covariance = self._kernel(self._scale(values[None, :]), self._inputs)
         mean = self._mean + self._spread * (covariance @ self._coefficients)[0]
         deviation = self._unit_deviation(values[None, :])[0]

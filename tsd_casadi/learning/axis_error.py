@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -35,6 +36,11 @@ class AxisError:
 def unit_of_axis(axis: str) -> str:
     """Tell the unit of an axis 'task.axis': rad for rotations, m otherwise."""
     return "rad" if axis.rpartition(".")[2].startswith("r") else "m"
+
+
+def plain_errors(errors: Mapping[str, AxisError]) -> dict[str, dict[str, Any]]:
+    """Give errors by axis as plain data, each with its unit."""
+    return {axis: {**error.plain(), "unit": unit_of_axis(axis)} for axis, error in errors.items()}
 
 
 def rank(errors: Mapping[str, AxisError], P: Sequence[float]) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from tsd_casadi.encoding.laps import fit_laps
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import IncompatibleEntry
-from tsd_casadi.learning.axis_error import unit_of_axis
+from tsd_casadi.learning.axis_error import plain_errors, unit_of_axis
 from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.entry_key import EntryKey
@@ -44,6 +44,7 @@ class Entry:
         rule: The rule of the newest recording.
         identifier: Number in the database, 0 before it is stored.
         updated: When it was changed last, ISO 8601, UTC.
+        sequence: Counts the recordings of a database; 0 for what was not recorded there.
     """
 
     key: EntryKey
@@ -55,6 +56,7 @@ class Entry:
     rule: Rule = field(default_factory=Guarded)
     identifier: int = 0
     updated: str = ""
+    sequence: int = 0
 
     @property
     def best(self) -> Iteration:
@@ -77,10 +79,9 @@ class Entry:
             "entries": [self.identifier],
             "iteration": served.number,
             "tested": served.errors is not None,
-            "errors": None
-            if served.errors is None
-            else {axis: error.plain() for axis, error in served.errors.items()},
+            "errors": None if served.errors is None else plain_errors(served.errors),
             "gains": self.circumstances.gains,
+            "axes": list(self.key.axes),
             "context": asdict(self.key.context),
             "epoch": served.epoch,
             "version": self.circumstances.version,
@@ -94,6 +95,7 @@ class Entry:
             kind="learned",
             parameters=dict(self.key.parameters),
             provenance=provenance,
+            declaration=self.declaration,
         )
 
     def add(self, recording: Recording, instruction: Instruction = USUAL) -> list[str]:

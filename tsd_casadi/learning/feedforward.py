@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.state import Matrix
 
 Kind = Literal["learned", "generalised", "constant", "nearest", "none"]
@@ -21,12 +22,13 @@ class Feedforward:
     Attributes:
         axes: Names 'task.axis' of the k axes.
         basis: The basis of the weights.
-        weights: (k, L) [m/s^2].
+        weights: (k, L) [m/s^2, rad/s^2].
         standard_deviations: Weights of its predictive standard deviation over
-            the phase, (k, L) [m/s^2]; zero for a learned entry.
+            the phase, (k, L) [m/s^2, rad/s^2]; zero for a learned entry.
         kind: How it came about.
         parameters: Of the motion that it is meant for, SI units.
         provenance: Where it comes from, plain data.
+        declaration: What is said of the motion; None if nobody did.
     """
 
     axes: tuple[str, ...]
@@ -36,6 +38,7 @@ class Feedforward:
     kind: Kind
     parameters: dict[str, float] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
+    declaration: Declaration | None = None
 
     def __repr__(self) -> str:
         """Say along what, of which kind and for which parameters."""
@@ -104,12 +107,9 @@ class Feedforward:
         phase = np.linspace(0, 2 * np.pi, 720, endpoint=False)
         mean = self.mean(phase).mean(axis=1, keepdims=True)
         weights = np.repeat(mean, self.basis.L, axis=1)
-        return Feedforward(
-            self.axes,
-            self.basis,
-            weights,
-            np.zeros_like(weights),
-            "constant",
-            self.parameters,
-            self.provenance,
+        return replace(
+            self,
+            weights=weights,
+            standard_deviations=np.zeros_like(weights),
+            kind="constant",
         )
