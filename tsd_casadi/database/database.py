@@ -20,6 +20,8 @@ from tsd_casadi.database.answering import (
 )
 from tsd_casadi.database.database_file import DatabaseFile
 from tsd_casadi.database.entry_rows import DamagedEntry, EntryRows
+from tsd_casadi.database.transfer import Imported, read_entries, write_entries
+from tsd_casadi.database.verification import find_damages
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue, OutsideTrainedRange
 from tsd_casadi.generalization.entry_regression import (
     EntryRegressions,
@@ -159,6 +161,52 @@ class Database:
             entries, _ = self._rows.read()
             self._rows.forget(identifier, _now())
         return next((entry for entry in entries if entry.identifier == identifier), None)
+
+    def export(self, path: str | Path) -> int:
+        """Write all entries that can be read to a file for another machine.
+
+        Args:
+            path: The file; it is written whole or not at all.
+
+        Returns:
+            Number of entries.
+
+        Raises:
+            InvalidValue: If it cannot be written.
+        """
+        entries = self.entries()
+        write_entries(entries, path)
+        return len(entries)
+
+    def import_(self, path: str | Path) -> Imported:
+        """Add the entries of such a file, all that are new here or none.
+
+        Args:
+            path: A file of ``export``. Entries that are here already, by their
+                key, stay as they are.
+
+        Raises:
+            InvalidValue: If it cannot be read, is incomplete or damaged.
+        """
+        incoming = read_entries(path)
+        added = 0
+        with self._file.transaction("IMMEDIATE"):
+            known = {entry.key for entry in self._rows.read()[0]}
+            for entry in incoming:
+                if entry.key not in known:
+                    self._rows.add(entry, "imported")
+                    known.add(entry.key)
+                    added += 1
+        return Imported(added, len(incoming) - added)
+
+    def verify(self) -> list[str]:
+        """Check everything in the file.
+
+        Returns:
+            What is wrong, a sentence each; nothing if all is well.
+        """
+        with self._file.transaction():
+            return find_damages(self._file, self._rows)
 
     def query(
         self,
