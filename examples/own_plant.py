@@ -44,7 +44,7 @@ class GluedFeet(Plant):
         return State(self._q.copy(), self._v.copy())
 
     def truth(self) -> Truth:
-        """A simulation knows it; leave this away on a robot."""
+        """Say where it is; a robot cannot, and leaves this away."""
         com = pinocchio.centerOfMass(self._model, self._data, self._q)
         return Truth(self.measure(), com.copy())
 

@@ -47,7 +47,7 @@ class Setting:
         Returns:
             (k,) [1/s^2] or [1/s].
         """
-        return command.request[self._gain_places[name]]
+        return np.asarray(command.request[self._gain_places[name]])
 
     @cached_property
     def _gain_places(self) -> dict[str, Vector]:

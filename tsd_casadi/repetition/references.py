@@ -134,11 +134,11 @@ class _Places:
 
     def position(self, task: str, axis: str) -> int:
         """Where the reference of a translation is; all three have one."""
-        return self.field("reference", task).start + FRAME_AXES.index(axis)
+        return int(self.field("reference", task).start) + FRAME_AXES.index(axis)
 
     def component(self, field: str, task: str, axis: str) -> int:
         """Where one of the controlled axes is in a field of its task."""
-        return self.field(field, task).start + self._format.component_index(task, axis)
+        return int(self.field(field, task).start) + self._format.component_index(task, axis)
 
     def controlled(self, task: str) -> list[str]:
         """Axes that the task controls."""
@@ -170,8 +170,11 @@ class _Turn:
         self, request: Vector, place: _Places, task: str, pairs: Sequence[tuple[str, str]]
     ) -> None:
         names = FRAME_AXES[3:]
-        turning = [(i, name) for i, (owner, name) in enumerate(pairs) if owner == task]
-        turning = [(i, names.index(name)) for i, name in turning if name in names]
+        turning = [
+            (i, names.index(name))
+            for i, (owner, name) in enumerate(pairs)
+            if owner == task and name in names
+        ]
         self._places = _indices(i for i, _ in turning)
         self._ways = _indices(way for _, way in turning)
         # a turn about one axis and another one moves the third as well

@@ -109,7 +109,7 @@ class TickFormat:
             return self.axes.index((task, axis))
         except ValueError:
             known = [".".join(pair) for pair in self.axes]
-            raise UnknownField(f"{task}.{axis}", known) from None
+            raise UnknownField(f"{task}.{axis}".lstrip("."), known) from None
 
     def component_index(self, task: str, axis: str) -> int:
         """Tell where an axis lies in a task's own fields, such as its P.
