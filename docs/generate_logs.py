@@ -32,15 +32,17 @@ two.
 says how, {" or ".join(sorted(WRITERS))}. In Python it is `run.log`, a dictionary of arrays, and
 `save_log(run, "run.npz")` of `tsd_clients` writes it. A file is written whole or not at all.
 
-The first axis of every array is the tick, 1 ms apart in the simulator; the shape below is that of
-one tick, for n actuated joints, c contacts and k axes of all tasks. In a .csv every component is a
-column, `tau[0]`, `tau[1]` and so on, and every tick a line.
+The first axis of every array is the tick, a control period apart (1 ms unless `--period` says
+otherwise); the shape below is that of one tick, for k axes of the repetition, the learned ones
+first, n actuated joints, c contacts and a axes of all tasks. In a .csv every component is a column,
+`error[com.z]` of an axis, otherwise `tau[0]`, `tau[1]` and so on, and every tick a line; an .npz
+has the names of the k axes as `axes`.
 
 {field_table()}
 
-Joints, contacts and axes are in the order that the controller's `info` names ([wire.md](wire.md)),
-and `controller.format` in Python: `joints`, `contacts` and `axes`. A log that ends with a fall ends
-with the last tick before it.
+Joints, contacts and the axes of all tasks are in the order that the controller's `info` names
+([wire.md](wire.md)), and `controller.format` in Python: `joints`, `contacts` and `axes`. A log that
+ends with a fall ends with the last tick before it.
 """
 
 

@@ -6,7 +6,8 @@ command takes whole dataclasses::
     @with_groups
     def simulate(motion: MotionOptions, robot: RobotOptions) -> None: ...
 
-and Typer, which knows only single parameters, is shown the fields of all of them.
+and Typer, which knows only single parameters, is shown the fields of all of them
+that are annotated for it; whatever calls the command may give the others.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import inspect
 from collections.abc import Callable, Iterator
 from copy import copy
 from dataclasses import MISSING, fields, is_dataclass
-from typing import Annotated, Any, get_args, get_type_hints
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 from typer.models import OptionInfo
 
@@ -46,7 +47,13 @@ def with_groups(command: Callable[..., None]) -> Callable[..., None]:
 
     def call(**given: Any) -> None:
         made = {
-            name: group(**{field.name: given.pop(field.name) for field in fields(group)})
+            name: group(
+                **{
+                    field.name: given.pop(field.name)
+                    for field in fields(group)
+                    if field.name in given
+                }
+            )
             for name, group in groups.items()
         }
         command(**made, **given)
@@ -58,11 +65,17 @@ def with_groups(command: Callable[..., None]) -> Callable[..., None]:
     return call
 
 
+def _names(group: type[Any]) -> list[str]:
+    return [field.name for field in fields(group)]
+
+
 def _parameters(group: type[Any]) -> Iterator[inspect.Parameter]:
     """List a group's fields; the first line of its docstring is their heading in the help."""
     heading = (inspect.getdoc(group) or "").split("\n", maxsplit=1)[0].rstrip(".")
     hints = get_type_hints(group, include_extras=True)
     for field in fields(group):
+        if get_origin(hints[field.name]) is not Annotated:
+            continue
         kind, info = get_args(hints[field.name])
         if isinstance(info, OptionInfo):
             info = copy(info)

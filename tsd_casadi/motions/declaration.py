@@ -58,7 +58,7 @@ class Declaration:
                 unit = f" in {item.unit}" if item.unit else ""
                 raise InvalidValue(name, value, f"a number{unit} below {LARGEST:g}")
             if not item.low <= value <= item.high:
-                raise InvalidValue(name, value, f"{item.low:g} to {item.high:g} {item.unit}")
+                raise InvalidValue(name, f"{value:g}", item.range_text())
         defaults = {item.name: item.default for item in self.parameters if item.default is not None}
         complete = {**defaults, **given}
         missing = [name for name in known if name not in complete]

@@ -59,6 +59,12 @@ class Parameter:
         default = "" if self.default is None else f", default {self.default:g}"
         return f"{self.name} [{self.unit}]{default}"
 
+    def range_text(self) -> str:
+        """For people, what makes sense on any robot: 'at least 0 m'."""
+        if self.high >= LARGEST:
+            return f"at least {self.low:g} {self.unit}".rstrip()
+        return f"{self.low:g} to {self.high:g} {self.unit}".rstrip()
+
 
 def parameter(
     unit: str,

@@ -7,11 +7,12 @@ import json
 import numpy as np
 import typer
 
+from tsd_casadi.repetition.record import context_of
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.wire.feedforward import FeedforwardMessage
-from tsd_cli.actions.prepare import asked_motion, open_learner
+from tsd_cli.actions.prepare import asked_motion, chosen_axes, open_learner
 from tsd_cli.interrupt import interruptible
-from tsd_cli.options.motion import AskedMotion
+from tsd_cli.options.motion import MotionOptions
 from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.robot import RobotOptions
 from tsd_cli.options.services import ConnectOptions
@@ -22,7 +23,7 @@ from tsd_clients.console.table import console
 
 @interruptible()
 def ask_feedforward(
-    motion: AskedMotion,
+    motion: MotionOptions,
     robot: RobotOptions,
     kind: str | None,
     extrapolate: bool,
@@ -37,9 +38,17 @@ def ask_feedforward(
     check_outputs(output)
     loaded = load_robot(robot.robot)
     wanted = asked_motion(motion, loaded)
+    axes = chosen_axes(motion, loaded, wanted)
     with open_learner(services) as learner:
         message = learner.query_message(
-            wanted.name, robot=loaded.name, kind=kind, extrapolate=extrapolate, **wanted.parameters
+            wanted.name,
+            robot=loaded.name,
+            kind=kind,
+            extrapolate=extrapolate,
+            axes=axes,
+            context=context_of(loaded),
+            version=wanted.version,
+            **wanted.parameters,
         )
     put_out(json.loads(message.encode()), output, lambda: _print_feedforward(message))
 

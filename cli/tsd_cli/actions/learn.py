@@ -10,25 +10,28 @@ from typing import Any
 import typer
 
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue, TsdError
+from tsd_casadi.generalization.suggestion import Suggestion
+from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.rules.by_name import find_rule
 from tsd_casadi.learning.rules.rule import Rule
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.learn import learn
+from tsd_casadi.repetition.record import context_of
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.actions.label import label_of
 from tsd_cli.actions.prepare import (
     asked_motion,
+    chosen_axes,
     chosen_compensators,
     chosen_gains,
-    make_motion,
     make_simulator,
     open_controller,
     open_learner,
 )
-from tsd_cli.actions.region import describe_chosen, read_region
+from tsd_cli.actions.region import default_name, describe_chosen, read_region
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.learning import FirstChoice, LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
@@ -60,17 +63,20 @@ def learn_by_repetition(
     check_outputs(output)
     robot = load_robot(body.robot)
     wanted = asked_motion(motion, robot)
+    axes = chosen_axes(motion, robot, wanted)
     if learning.iterations < 1:
         raise InvalidValue("iterations", learning.iterations, "at least 1")
     if places.region and not places.auto:
         raise InvalidValue("--region", ", ".join(places.region), "--auto with it")
-    region = read_region(places.region or ["amplitude"], robot)
+    asked_region = places.region or [default_name(type(wanted))]
+    region = read_region(asked_region, robot, type(wanted)) if places.auto else {}
     gains = chosen_gains(repetition)
     compensators = chosen_compensators(repetition, robot)
-    simulator = make_simulator(body, robot)
+    context = context_of(robot, "".join(item.correction for item in compensators))
+    simulator = make_simulator(body, robot, repetition.period)
     rule = find_rule(learning.rule.value)
     if places.auto:
-        for line in describe_chosen(places.region or ["amplitude"], region):
+        for line in describe_chosen(asked_region, region, type(wanted)):
             typer.echo(f"note: {line}", err=True)
     story = _Story()
     failure: TsdError | None = None
@@ -90,6 +96,7 @@ def learn_by_repetition(
             simulator,
             controller,
             learner=learner,
+            axes=axes,
             iterations=learning.iterations,
             patience=rule.patience if learning.patience is None else learning.patience,
             restart=learning.restart,
@@ -103,28 +110,35 @@ def learn_by_repetition(
             on_run=story.keep_run,
             on_learned=story.keep_contractions,
         )
-        first = partial(_ask_first, learning.first, learner, robot)
+        first = partial(_ask_first, learning.first, learner, robot, axes, context)
         if not places.auto:
             learn_at([wanted], first=first(wanted))
         fixed = {name: value for name, value in wanted.parameters.items() if name not in region}
         for _ in range(places.auto):
             before = len(story.summaries)
             try:
-                place = learner.suggest(wanted.name, robot=robot.name, region=region, **fixed)
+                place = learner.suggest(
+                    wanted.name,
+                    robot=robot.name,
+                    region=region,
+                    axes=axes,
+                    context=context,
+                    version=wanted.version,
+                    **fixed,
+                )
             except TsdError as error:
                 failure = error
                 break
             if failure is not None and place.parameters == story.places[-1]["parameters"]:
                 break  # where nothing can be learned
             try:
-                there = make_motion(wanted.name, **place.parameters)
+                there = type(wanted)(**place.parameters)
                 learn_at([there], first=first(there))
             except TsdError as error:
                 failure = error  # shown after what was learned before it
-            errors = [summary["rms_error_m"] for summary in story.summaries[before:]]
-            story.places.append({**asdict(place), "rms_errors_m": errors})
-    result = {"robot": robot.name, "task": wanted.name, **story.plain()}
-    put_out(result, output, lambda: story.show(wanted.name, rule, places))
+            story.keep_place(place, before)
+    result = {"robot": robot.name, "motion": wanted.name, "axes": list(axes), **story.plain()}
+    put_out(result, output, lambda: story.show(wanted, rule, places))
     if failure is not None:
         raise failure
 
@@ -145,6 +159,18 @@ class _Story:
     def keep_contractions(self, motion: Motion, contractions: Sequence[Contraction]) -> None:
         self._learned.append((motion, contractions))
 
+    def keep_place(self, place: Suggestion, before: int) -> None:
+        """Note a place with the errors of the runs there, those from a number on."""
+        runs = self.summaries[before:]
+        self.places.append(
+            {
+                "parameters": place.parameters,
+                "standard_deviation": place.standard_deviation,
+                "errors": [summary["errors"] for summary in runs],
+                "ranks": [summary["rank"] for summary in runs],
+            }
+        )
+
     def plain(self) -> dict[str, Any]:
         return {
             "runs": self.summaries,
@@ -156,25 +182,38 @@ class _Story:
             ],
         }
 
-    def show(self, motion: str, rule: Rule, places: PlaceOptions) -> None:
+    def show(self, motion: Motion, rule: Rule, places: PlaceOptions) -> None:
+        declaration = motion.declaration()
         if places.auto:
-            print_places(motion, self.places)
+            print_places(declaration, self.places)
         else:
-            print_runs(f"learning {motion}", self.summaries)
+            print_runs(f"learning {motion.name}", self.summaries)
         if rule.is_by_harmonic:
             for at, contractions in self._learned:
-                print_contractions(motion, at.parameters, contractions)
+                print_contractions(declaration, at.parameters, contractions)
 
 
 def _ask_first(
-    choice: FirstChoice, learner: RemoteLearner, robot: Robot, motion: Motion
+    choice: FirstChoice,
+    learner: RemoteLearner,
+    robot: Robot,
+    axes: tuple[str, ...],
+    context: Context,
+    motion: Motion,
 ) -> Feedforward | None:
     """Choose what a motion of which nothing is known starts with."""
     if choice is FirstChoice.NONE:
         return None
     try:
         return learner.query(
-            motion.name, robot=robot.name, kind=choice.value, extrapolate=True, **motion.parameters
+            motion.name,
+            robot=robot.name,
+            kind=choice.value,
+            extrapolate=True,
+            axes=axes,
+            context=context,
+            version=motion.version,
+            **motion.parameters,
         )
     except EntryNotFound as error:
         typer.echo(f"note: nothing to generalise from yet ({error})", err=True)

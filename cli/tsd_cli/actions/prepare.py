@@ -10,14 +10,16 @@ from tsd_casadi.compilation.compile_controller import compile_controller
 from tsd_casadi.controller.controller import Controller, WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.exceptions.did_you_mean import did_you_mean
+from tsd_casadi.motions.catalogue import find_motion
 from tsd_casadi.motions.motion import Motion
-from tsd_casadi.motions.squat import Squat
+from tsd_casadi.motions.ranges import check_motion
 from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
 from tsd_casadi.repetition.compensator import Compensator
 from tsd_casadi.repetition.gains import Gains
+from tsd_casadi.repetition.repetition import usual_axes
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.wire.endpoints import CONTROLLER, LEARNER
-from tsd_cli.options.motion import AskedMotion, RepetitionOptions
+from tsd_cli.options.motion import MotionOptions, RepetitionOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ConnectOptions, ControllerChoice, ServiceOptions
 from tsd_clients.console.progress import show_activity
@@ -26,46 +28,55 @@ from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_clients.simulator.model_error import ModelError
 from tsd_clients.simulator.simulator import MujocoSimulator
 
-MOTIONS = {Squat.name: Squat}
 
-
-def make_motion(name: str, amplitude: float, frequency: float, height: float) -> Motion:
-    """Make a motion by its name.
-
-    Args:
-        amplitude: Half of peak to peak [m].
-        frequency: Laps per second [Hz].
-        height: Middle of the motion above home [m].
-
-    Raises:
-        InvalidValue: If there is none of that name.
-    """
-    if name not in MOTIONS:
-        known = ", ".join(f"'{each}'" for each in MOTIONS)
-        raise InvalidValue("motion", f"'{name}'", f"one of {known}{did_you_mean(name, MOTIONS)}")
-    return MOTIONS[name](amplitude, frequency, height)
-
-
-def asked_motion(options: AskedMotion, robot: Robot) -> Motion:
+def asked_motion(options: MotionOptions, robot: Robot) -> Motion:
     """Make the motion of the options.
 
     Raises:
         InvalidValue: If there is none of that name, or the robot cannot do it.
     """
-    motion = make_motion(options.motion, options.amplitude, options.frequency, options.height)
-    motion.check(robot)
+    kind = find_motion(options.motion)
+    motion = kind(**kind.declaration().complete(options.parameters))
+    check_motion(robot, motion)
     return motion
 
 
-def make_simulator(options: SimulatedRobotOptions, robot: Robot) -> MujocoSimulator:
+def chosen_axes(options: MotionOptions, robot: Robot, motion: Motion) -> tuple[str, ...]:
+    """Read which axes are learned.
+
+    Raises:
+        InvalidValue: If one is none of the robot's, or named twice.
+    """
+    if options.axes is None:
+        return usual_axes(robot, motion)
+    axes = tuple(name.strip() for name in options.axes.split(","))
+    there = [f"{part.name}.{axis}" for part in robot.description.tasks for axis in part.axes]
+    for axis in axes:
+        if axis not in there:
+            raise InvalidValue(
+                "--axes",
+                f"'{axis}'",
+                f"some of {', '.join(there)}{did_you_mean(axis, there)}",
+            )
+        if axes.count(axis) > 1:
+            raise InvalidValue("--axes", f"'{axis}' twice", "each axis once")
+    return axes
+
+
+def make_simulator(
+    options: SimulatedRobotOptions, robot: Robot, period: float = 1e-3
+) -> MujocoSimulator:
     """Make the simulated robot of the options.
+
+    Args:
+        period: Control period [s].
 
     Raises:
         InvalidValue: If an option is out of range.
     """
     effects = [name.strip() for name in options.hardware.split(",") if name.strip()]
     error = ModelError(options.model_error, options.link_error, options.link_seed)
-    return MujocoSimulator(robot, error, effects)
+    return MujocoSimulator(robot, error, effects, period=period)
 
 
 def chosen_gains(options: RepetitionOptions) -> Gains:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
-from tsd_casadi.robot.robot import load_robot
+from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.motions.catalogue import shipped_motions
+from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.output import JsonOptions
 from tsd_cli.output import check_outputs, put_out
@@ -32,9 +35,21 @@ def _describe(name: str) -> dict[str, Any]:
         "joints": robot.joint_names,
         "contacts": [contact.name for contact in description.contacts],
         "tasks": [task.name for task in description.tasks],
-        "motions": list(type(description.motions).model_fields),
+        "motions": _possible(robot),
         "file": str(robot.path),
     }
+
+
+def _possible(robot: Robot) -> list[str]:
+    """List the shipped motions for which the robot has tasks."""
+    possible = []
+    for name, kind in shipped_motions().items():
+        items = kind.declaration().parameters
+        sample = kind(**{item.name: max(item.low, item.default or 0.0) for item in items})
+        with suppress(InvalidValue):
+            sample.axes(robot)
+            possible.append(name)
+    return possible
 
 
 def _print(robots: list[dict[str, Any]]) -> None:

@@ -7,10 +7,12 @@ import typer
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
+from tsd_casadi.repetition.record import context_of
 from tsd_casadi.robot.robot import Robot, load_robot
-from tsd_cli.actions.label import label_of
+from tsd_cli.actions.label import describe_motion, label_of
 from tsd_cli.actions.prepare import (
     asked_motion,
+    chosen_axes,
     chosen_compensators,
     chosen_gains,
     make_simulator,
@@ -49,20 +51,22 @@ def simulate_once(
         check_log_path(output.log)
     robot = load_robot(body.robot)
     wanted = asked_motion(motion, robot)
+    axes = chosen_axes(motion, robot, wanted)
     gains = chosen_gains(repetition)
     compensators = chosen_compensators(repetition, robot)
-    gate = FeedforwardGate()
     if repetition.feedforward is FeedforwardChoice.GENERALIZED:
-        compensators.append(gate)
-    learned = _ask(repetition.feedforward, robot, wanted, services)
-    simulator = make_simulator(body, robot)
+        compensators.append(FeedforwardGate())
+    simulator = make_simulator(body, robot, repetition.period)
+    correction = "".join(item.correction for item in compensators)
+    learned = _ask(repetition.feedforward, robot, wanted, axes, correction, services)
     with (
         open_controller(services, robot) as controller,
-        show_progress(f"{wanted.name} {motion.amplitude:g} m", 1.0) as progress,
+        show_progress(describe_motion(wanted), 1.0) as progress,
     ):
         run = simulator.run(
             controller,
             wanted,
+            axes=axes,
             laps=repetition.laps,
             feedforward=learned,
             gains=gains,
@@ -73,11 +77,12 @@ def simulate_once(
         )
     if output.log is not None:
         save_log(run, output.log)
-    if gate.dropped_at is not None:
+    for veto in run.vetoes:
+        typer.echo(f"note: {veto}", err=True)
+    missing = [] if learned is None else [axis for axis in axes if axis not in learned.axes]
+    if missing:
         typer.echo(
-            f"note: generalised feedforward dropped at {gate.dropped_at:.2f} s: tracking was "
-            "worse with it than without",
-            err=True,
+            f"note: nothing was learned along {', '.join(missing)} yet: zero there", err=True
         )
     summary = {"label": label_of(run), **run.summary()}
     put_out(summary, output, lambda: print_runs("simulation", [summary]))
@@ -86,11 +91,23 @@ def simulate_once(
 
 
 def _ask(
-    choice: FeedforwardChoice, robot: Robot, motion: Motion, services: ServiceOptions
+    choice: FeedforwardChoice,
+    robot: Robot,
+    motion: Motion,
+    axes: tuple[str, ...],
+    correction: str,
+    services: ServiceOptions,
 ) -> Feedforward | None:
     if choice is FeedforwardChoice.NONE:
         return None
     with open_learner(services) as learner:
         return learner.query(
-            motion.name, robot=robot.name, kind=choice.value, extrapolate=False, **motion.parameters
+            motion.name,
+            robot=robot.name,
+            kind=choice.value,
+            extrapolate=False,
+            axes=axes,
+            context=context_of(robot, correction),
+            version=motion.version,
+            **motion.parameters,
         )

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from tsd_cli.option_groups import with_groups
-from tsd_cli.options.motion import AskedMotion
+from tsd_cli.options.motion import MotionOptions
 from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.robot import RobotOptions
 from tsd_cli.options.services import ConnectOptions
@@ -15,7 +15,7 @@ from tsd_cli.options.services import ConnectOptions
 
 @with_groups
 def query(
-    motion: AskedMotion,
+    motion: MotionOptions,
     robot: RobotOptions,
     services: ConnectOptions,
     output: JsonOptions,

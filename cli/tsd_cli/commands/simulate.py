@@ -17,7 +17,7 @@ def simulate(
     services: ServiceOptions,
     output: LogOptions,
 ) -> None:
-    """Simulate one repetition, asking the controller at every tick (1 kHz).
+    """Simulate one repetition, asking the controller at every tick.
 
     A controller whose masses are 10 % wrong, without and with what was learned:
 
@@ -27,6 +27,11 @@ def simulate(
     In one process without any service, every tick written down:
 
       tsd simulate squat --controller local --log run.csv
+
+    Another motion, with its own parameters, and one of your own:
+
+      tsd simulate twist --amplitude 0.15 --frequency 0.5
+      tsd simulate my_motion.py:Bounce --hop 0.02
     """
     from tsd_cli.actions.simulate import simulate_once
 

@@ -2,39 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-Amplitude = Annotated[
-    float,
-    typer.Option("--amplitude", metavar="METRES", help="Half of peak to peak; 0.03 is 3 cm."),
-]
-
 
 @dataclass(frozen=True, kw_only=True)
-class AskedMotion:
+class MotionOptions:
     """Motion."""
 
-    motion: Annotated[str, typer.Argument(metavar="MOTION", help="The motion: squat.")]
-    amplitude: Amplitude
-    frequency: Annotated[
-        float, typer.Option("--frequency", metavar="HERTZ", help="Laps per second.")
-    ] = 0.25
-    height: Annotated[
-        float,
-        typer.Option("--height", metavar="METRES", help="Middle of the motion above home."),
-    ] = 0.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class MotionOptions(AskedMotion):
-    """Motion."""
-
-    amplitude: Amplitude = 0.03
+    motion: Annotated[
+        str,
+        typer.Argument(
+            metavar="MOTION",
+            help="Name of a motion ('tsd motion list'), a class in a file of your own "
+            "(my_motion.py:Bounce), or a file with references (wave.csv). Behind it, -h tells "
+            "its parameters as well.",
+        ),
+    ]
+    axes: Annotated[
+        str | None,
+        typer.Option(
+            "--axes",
+            metavar="TASK.AXIS,...",
+            help="What is learned, such as com.z or com.x,torso.rz. Default: what moves, and all "
+            "of the centre of mass.",
+        ),
+    ] = None
+    # options of the motion that was named, see ``motion_parameters``
+    parameters: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,11 +47,19 @@ class RepetitionOptions:
             "--laps", metavar="N", help="Least number of laps; more are added until steady."
         ),
     ] = 3
+    period: Annotated[
+        float,
+        typer.Option(
+            "--period",
+            metavar="SECONDS",
+            help="Control period, 0.00025 to 0.005.",
+        ),
+    ] = 1e-3
     p_scale: Annotated[
-        float, typer.Option("--p-scale", metavar="FACTOR", help="Factor on the learned task's P.")
+        float, typer.Option("--p-scale", metavar="FACTOR", help="Factor on the learned tasks' P.")
     ] = 1.0
     d_scale: Annotated[
-        float, typer.Option("--d-scale", metavar="FACTOR", help="Factor on the learned task's D.")
+        float, typer.Option("--d-scale", metavar="FACTOR", help="Factor on the learned tasks' D.")
     ] = 1.0
     com_correction: Annotated[
         Path | None,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rich.markup import escape
@@ -11,33 +11,43 @@ from tsd_clients.console.table import Column, print_table
 
 
 def print_runs(title: str, summaries: Sequence[Mapping[str, Any]]) -> None:
-    """Print runs, one per row.
+    """Print runs, one axis of one run per row.
 
     Args:
         title: Above the table.
         summaries: From ``Run.summary``, each with a 'label'.
     """
+    rows = [
+        (summary if index == 0 else None, axis, error)
+        for summary in summaries
+        for index, (axis, error) in enumerate(summary["errors"].items())
+    ]
+    units = {f"m{error['unit']}": None for _, _, error in rows} or {"mm": None}
+    unit, rate = ", ".join(units), ", ".join(f"{each[1:]}/s²" for each in units)
+
+    def of_run(show: Callable[[Mapping[str, Any]], str]) -> list[str]:
+        return ["" if summary is None else show(summary) for summary, _, _ in rows]
 
     def lengths(name: str) -> list[str]:
-        return [number_text(summary[name], 1e3, 4) for summary in summaries]
+        return [number_text(error.get(name), 1e3, 4) for _, _, error in rows]
 
-    def times(name: str) -> list[str]:
-        return [f"{summary['tick_us'][name]:.0f}" for summary in summaries]
-
-    labels = [escape(summary["label"]) + _remarks(summary) for summary in summaries]
-    feedback = [number_text(summary["mean_abs_feedback"], 1.0, 5) for summary in summaries]
-    laps = [f"{summary['laps_measured']}/{summary['laps_run']}" for summary in summaries]
+    feedback = [number_text(error.get("mean_abs_feedback"), 1.0, 5) for _, _, error in rows]
+    several = any(len(summary["errors"]) > 1 for summary in summaries)
     columns = [
-        Column("run", labels, is_text=True),
-        Column("RMS\nmm", lengths("rms_error_m")),
-        Column("peak\nmm", lengths("peak_error_m"), rank=5),
-        Column("AC RMS\nmm", lengths("ac_rms_error_m"), rank=1),
-        Column("true RMS\nmm", lengths("true_rms_error_m"), rank=2),
-        Column("|fb|\nm/s²", feedback, rank=3),  # mean absolute feedback
-        Column("laps", laps, rank=4),
-        Column("p50\nµs", times("p50"), rank=6),
-        Column("p99\nµs", times("p99"), rank=7),
+        Column("run", of_run(lambda run: escape(run["label"]) + _remarks(run)), is_text=True),
+        Column("axis", [escape(axis) for _, axis, _ in rows], is_text=True),
+        Column(f"RMS\n{unit}", lengths("rms")),
+        Column(f"peak\n{unit}", lengths("peak"), rank=5),
+        Column(f"AC RMS\n{unit}", lengths("ac_rms"), rank=1),
+        Column(f"true RMS\n{unit}", lengths("true_rms"), rank=2),
+        Column(f"|fb|\n{rate}", feedback, rank=3),  # mean absolute feedback
+        Column("laps", of_run(lambda run: f"{run['laps_measured']}/{run['laps_run']}"), rank=4),
+        Column("p50\nµs", of_run(lambda run: f"{run['tick_us']['p50']:.0f}"), rank=6),
+        Column("p99\nµs", of_run(lambda run: f"{run['tick_us']['p99']:.0f}"), rank=7),
     ]
+    if several:  # what the iterations are ranked by: of one axis it is P times the RMS
+        ranks = of_run(lambda run: number_text(run["rank"], 1.0, 5))
+        columns.append(Column("rank\nm/s²", ranks, rank=4))
     print_table(title, columns)
 
 

@@ -4,33 +4,32 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.state import Vector
 from tsd_casadi.whole_file import write_whole
-
-Log = Mapping[str, Vector]
 
 
 def save_log(run: Run, path: str | Path) -> None:
     """Write every tick of a run; the ending of the path says how.
 
     Args:
-        path: Ends in .npz for one array a field, or in .csv for one line a tick
-            and one column a component, 'tau[0]' and so on.
+        path: Ends in .npz for one array a field and 'axes' with their names, or in
+            .csv for one line a tick and one column a component: 'error[com.z]' of
+            an axis, 'tau[0]' of other fields.
 
     Raises:
         InvalidValue: If the ending is another one, or the file cannot be written.
     """
     write = _writer(path)
     with write_whole(path) as file:
-        write(run.log, file)
+        write(run, file)
 
 
 def check_log_path(path: str | Path) -> None:
@@ -42,7 +41,7 @@ def check_log_path(path: str | Path) -> None:
     _writer(path)
 
 
-def _writer(path: str | Path) -> Callable[[Log, BinaryIO], None]:
+def _writer(path: str | Path) -> Callable[[Run, BinaryIO], None]:
     ending = Path(path).suffix.lower()
     if ending not in WRITERS:
         raise InvalidValue(
@@ -51,19 +50,25 @@ def _writer(path: str | Path) -> Callable[[Log, BinaryIO], None]:
     return WRITERS[ending]
 
 
-def _write_npz(log: Log, file: BinaryIO) -> None:
-    np.savez_compressed(file, **log)  # type: ignore[arg-type]
+def _write_npz(run: Run, file: BinaryIO) -> None:
+    np.savez_compressed(file, **run.log, axes=np.array(run.axes))
 
 
-def _write_csv(log: Log, file: BinaryIO) -> None:
+def _write_csv(run: Run, file: BinaryIO) -> None:
     columns: dict[str, list[str]] = {}
-    for name, values in log.items():
+    for name, values in run.log.items():
         # shortest text that gives the same number; 0 and 1 instead of False and True
         texts = (values.astype(int) if values.dtype == bool else values).astype(str)
         if texts.ndim == 1:
             columns[name] = texts.tolist()
         else:
-            columns |= {f"{name}[{i}]": column.tolist() for i, column in enumerate(texts.T)}
+            field = LOG_FIELDS.get(name)
+            of_axes = field is not None and field.shape == "(k,)"
+            parts = run.axes if of_axes else range(texts.shape[1])
+            columns |= {
+                f"{name}[{part}]": column.tolist()
+                for part, column in zip(parts, texts.T, strict=True)
+            }
     text = io.TextIOWrapper(file, encoding="ascii", newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)

@@ -1,0 +1,1 @@
+"""Files of what was learned: written, taken in and checked, without any service."""
