@@ -17,6 +17,7 @@ def run() -> Run:
     return Run(
         robot="hermes_lower",
         motion=Squat(0.03, 0.25),
+        axes=("com.z", "com.x"),
         feedforward=Feedforward.zero(("com.z",), PeriodicBasis()),
         gains={},
         settings={},
@@ -24,13 +25,14 @@ def run() -> Run:
             "time": np.arange(3) * 1e-3,
             "lap": np.array([-1, 0, 0]),
             "measured": np.array([False, True, True]),
-            "error": rng.normal(size=3),
+            "error": rng.normal(size=(3, 2)),
             "tau": rng.normal(size=(3, 2)).astype(np.float32),
         },
         laps=[],
         laps_run=1,
         steady=True,
         fell=False,
+        vetoes=[],
         failures={},
     )
 
@@ -38,7 +40,8 @@ def run() -> Run:
 def test_arrays_come_back_as_they_were(run: Run, tmp_path: Path) -> None:
     save_log(run, tmp_path / "log.npz")
     with np.load(tmp_path / "log.npz", allow_pickle=False) as saved:
-        assert set(saved) == set(run.log)
+        assert set(saved) == {*run.log, "axes"}
+        assert tuple(saved["axes"]) == run.axes
         for name, values in run.log.items():
             np.testing.assert_array_equal(saved[name], values)
             assert saved[name].dtype == values.dtype
@@ -49,10 +52,11 @@ def test_csv_has_a_line_a_tick_and_every_digit(run: Run, tmp_path: Path) -> None
     save_log(run, path)
     with path.open(newline="") as file:
         header, *rows = list(csv.reader(file))
-    assert header == ["time", "lap", "measured", "error", "tau[0]", "tau[1]"]
+    assert header == ["time", "lap", "measured", "error[com.z]", "error[com.x]", "tau[0]", "tau[1]"]
     assert [row[1:3] for row in rows] == [["-1", "0"], ["0", "1"], ["0", "1"]]
     columns = dict(zip(header, zip(*rows, strict=True), strict=True))
-    np.testing.assert_array_equal(np.array(columns["error"], dtype=float), run.log["error"])
+    error = np.array([columns["error[com.z]"], columns["error[com.x]"]], dtype=float).T
+    np.testing.assert_array_equal(error, run.log["error"])
     tau = np.array([columns["tau[0]"], columns["tau[1]"]], dtype=np.float32).T
     np.testing.assert_array_equal(tau, run.log["tau"])
 

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -7,63 +10,96 @@ from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.repetition.tick_log import COLUMNS, TickLog
 
 TICKS = 40
+HOLD = 10
+INDEX = np.array([2, 0])  # of two axes in the errors of three
 
 
-def add_ticks(log: TickLog, feedback: float, count: int = TICKS) -> None:
-    """A lap whose feedback is constant."""
+def add_ticks(log: TickLog, level: float, lap: int, count: int = TICKS) -> None:
+    """Ticks whose errors are level, 10 level and 100 level."""
     for _ in range(count):
-        row = dict.fromkeys(COLUMNS, 0.0)
-        row.update(time=float(len(log)), feedback=feedback, error=feedback / 50, reference=0.1)
-        log.add(*row.values())
+        state: Any = SimpleNamespace(q=np.full(7, level), v=np.zeros(6))
+        tick = SimpleNamespace(
+            error=level * np.array([1.0, 10.0, 100.0]),
+            feedback=-level * np.array([1.0, 10.0, 100.0]),
+            reply=np.array([1.0, 2.0, 3.0, 4.0]),
+            compute_time=5.0,
+        )
+        moment: Any = SimpleNamespace(
+            time=float(log.ticks),
+            phase=0.1 * log.ticks,
+            lap=lap,
+            reference=SimpleNamespace(x=np.array([level, 0.0])),
+            true_error=np.full(2, np.nan),
+            feedforward=np.zeros(2),
+            state=state,
+            truth=None,
+            tick=tick,
+            tau=np.zeros(3),
+            tick_time=6.0,
+        )
+        log.tick(moment)
 
 
 def log_of(*levels: float) -> TickLog:
     """Ticks of a hold, then whole laps."""
     log = TickLog()
-    add_ticks(log, 9.0, count=10)
-    for level in levels:
-        start = len(log)
-        add_ticks(log, level)
-        log.add_lap(start)
+    reply = SimpleNamespace(slice=lambda name: slice(2, 4))
+    controller = SimpleNamespace(format=SimpleNamespace(reply=reply))
+    setting: Any = SimpleNamespace(index=INDEX, controller=controller)
+    log.start(setting)
+    add_ticks(log, 9.0, -1, count=HOLD)
+    for number, level in enumerate(levels):
+        add_ticks(log, level, number)
+        log.lap(None)  # type: ignore[arg-type]
+    log.end("steady")
     return log
 
 
-def test_a_lap_has_what_learning_needs() -> None:
-    (lap,) = log_of(0.5).laps
-    np.testing.assert_array_equal(lap.feedback, np.full((1, TICKS), 0.5))
-    np.testing.assert_array_equal(lap.error, np.full((1, TICKS), 0.01))
-    np.testing.assert_array_equal(lap.reference, np.full((1, TICKS), 0.1))
-    assert lap.phase.shape == (TICKS,)
+def test_columns_are_those_of_the_axes_in_their_order() -> None:
+    rows = log_of(0.5).columns(HOLD, ["error", "feedback", "reference", "wrenches"])
+    assert list(rows) == ["error", "feedback", "reference", "wrenches"]
+    np.testing.assert_array_equal(rows["error"], np.tile([50.0, 0.5], (TICKS, 1)))
+    np.testing.assert_array_equal(rows["feedback"], -rows["error"])
+    np.testing.assert_array_equal(rows["reference"], np.tile([0.5, 0.0], (TICKS, 1)))
+    np.testing.assert_array_equal(rows["wrenches"], np.tile([3.0, 4.0], (TICKS, 1)))
 
 
-@pytest.mark.parametrize(
-    ("levels", "first"),
-    [
-        ((1.0, 0.5, 0.5, 0.5), 1),  # steady from the second on
-        ((0.5, 0.5), 0),
-        ((1.0, 2.0, 3.0), 1),  # never steady: the last two
-    ],
-)
-def test_steady_laps_are_measured_else_the_last_two(levels: tuple[float, ...], first: int) -> None:
-    log = log_of(*levels)
-    start, laps = log.measured_laps()
-    assert start == 10 + first * TICKS
-    assert len(laps) == len(levels) - first
-    assert laps[-1] is log.laps[-1]
+@pytest.mark.parametrize("first", [0, 1, 2])
+def test_measured_is_from_the_first_such_lap_to_the_end_of_the_last(first: int) -> None:
+    log = log_of(1.0, 2.0, 3.0)
+    add_ticks(log, 4.0, 3, count=7)  # of a lap that never ended
+    measured = log.log(first)["measured"]
+    expected = np.zeros(HOLD + 3 * TICKS + 7, dtype=bool)
+    expected[HOLD + first * TICKS : HOLD + 3 * TICKS] = True
+    np.testing.assert_array_equal(measured, expected)
 
 
 @pytest.mark.parametrize("levels", [(), (1.0,)])
-def test_less_than_two_laps_are_not_measured(levels: tuple[float, ...]) -> None:
-    log = log_of(*levels)
-    assert log.measured_laps() == (len(log), [])
+def test_nothing_is_measured_where_there_is_no_such_lap(levels: tuple[float, ...]) -> None:
+    assert not log_of(*levels).log(None)["measured"].any()
 
 
 def test_arrays_have_every_field_in_its_type() -> None:
     log = log_of(1.0)
-    arrays = log.arrays(measured_from=len(log) - 3)
+    arrays = log.log(0)
     assert list(arrays) == list(LOG_FIELDS)
+    assert [*COLUMNS, "measured"] == list(LOG_FIELDS)
     for name, values in arrays.items():
         assert values.dtype == LOG_FIELDS[name].type
-        assert len(values) == len(log) == 10 + TICKS
-    assert arrays["measured"].sum() == 3
-    np.testing.assert_array_equal(arrays["time"], np.arange(len(log)))
+        assert len(values) == log.ticks == HOLD + TICKS
+    np.testing.assert_array_equal(arrays["time"], np.arange(log.ticks))
+
+
+def test_the_truth_is_kept_where_it_is_known() -> None:
+    log = log_of()
+    known: Any = SimpleNamespace(state=SimpleNamespace(q=np.full(7, 3.0), v=np.zeros(6)))
+    add = log.tick
+
+    def with_truth(moment: Any) -> None:
+        moment.truth = known
+        add(moment)
+
+    log.tick = with_truth  # type: ignore[method-assign]
+    add_ticks(log, 1.0, 0, count=1)
+    np.testing.assert_array_equal(log.log(None)["q"][-1], 3.0)
+    np.testing.assert_array_equal(log.log(None)["q"][0], 9.0)
