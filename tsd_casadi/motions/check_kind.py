@@ -66,7 +66,12 @@ def check_offset(motion: Motion) -> None:
         InvalidValue: It names the derivative, the phase and both values.
     """
     who = type(motion).__name__
-    lap = [motion.offset(phase) for phase in np.linspace(0, 2 * np.pi, 64)]
+    try:
+        with np.errstate(all="ignore"):  # what is not finite is told below
+            lap = [motion.offset(phase) for phase in np.linspace(0, 2 * np.pi, 64)]
+    except Exception as error:  # a user's code may raise anything
+        found = f"raising {type(error).__name__}: {error}"
+        raise InvalidValue(f"offset of {who}", found, "no error at any phase") from error
     for each in lap:
         sizes = {np.shape(values) for values in (each.x, each.by_phase, each.by_phase_twice)}
         if len(sizes) > 1 or not sizes.copy().pop():
@@ -80,8 +85,8 @@ def check_offset(motion: Motion) -> None:
     for name, values in (("x", x), ("by_phase", first), ("by_phase_twice", second)):
         if not np.isfinite(values).all():
             raise InvalidValue(f"{name} of {who}", "not finite somewhere in a lap", "numbers")
-    if not np.allclose(x[0], x[-1], rtol=0, atol=1e-6 * (1e-3 + np.abs(x).max())):
-        raise InvalidValue(f"offset of {who}", "another after a lap", "the same every 2 pi")
+        if not np.allclose(values[0], values[-1], rtol=0, atol=1e-6 * (1e-3 + np.abs(x).max())):
+            raise InvalidValue(f"{name} of {who}", "another after a lap", "the same every 2 pi")
     largest = max(float(np.abs(x).max()), 1e-6)
     for phase in PHASES:
         before, now, after = (motion.offset(phase + step) for step in (-STEP, 0.0, STEP))

@@ -23,21 +23,15 @@ Database = Annotated[
 def export_entries(
     target: Annotated[Path, typer.Argument(metavar="TARGET", help="File that is made.")],
     database: Database = None,
-    entry: Annotated[
-        list[int] | None,
-        typer.Option(
-            "--entry", metavar="N", help="Only this entry; repeat for more. Default: all."
-        ),
-    ] = None,
 ) -> None:
-    """Write entries into a file for another machine.
+    """Write all entries into a file for another machine.
 
-    tsd database export squats.tsd
-    tsd database export squats.tsd --entry 3 --entry 4
+    tsd database export learned.json
+    tsd database export learned.json --database squats.sqlite
     """
     from tsd_cli.actions.database import export
 
-    export(target, database, entry)
+    export(target, database)
 
 
 @with_groups
@@ -47,11 +41,11 @@ def import_entries(
 ) -> None:
     """Take in what was learned elsewhere; an entry that is here already stays as it is.
 
-    tsd database import squats.tsd
+    tsd database import learned.json
     """
-    from tsd_cli.actions.database import import_
+    from tsd_cli.actions.database import take_in
 
-    import_(source, database)
+    take_in(source, database)
 
 
 @with_groups
