@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -28,6 +28,14 @@ class Document(BaseModel):
         return self.model_dump_json().encode()
 
     @classmethod
+    def check_version(cls, document: dict[str, Any]) -> None:
+        """Refuse a document of another version, for kinds that have versions.
+
+        Args:
+            document: Its fields, nothing of them checked.
+        """
+
+    @classmethod
     def decode(cls: type[AnyDocument], payload: bytes) -> AnyDocument:
         """Read and check a message.
 
@@ -36,6 +44,7 @@ class Document(BaseModel):
 
         Raises:
             MalformedMessage: If it is no JSON or a field is wrong.
+            UnsupportedVersion: If it is of another version.
         """
         try:
             document = from_json(payload)
@@ -47,6 +56,7 @@ class Document(BaseModel):
                 f"{cls.__name__}: {type(document).__name__} of {len(payload)} bytes",
                 "a JSON object with its fields",
             )
+        cls.check_version(document)
         try:
             message = cls.model_validate(document)
         except ValidationError as error:

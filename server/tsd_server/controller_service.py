@@ -100,6 +100,8 @@ class ControllerService:
             instance=self._service.instance,
             protocol=VERSION,
             model=self._robot.fingerprint,
+            body=self._robot.body_fingerprint,
+            formulation=self._robot.formulation_fingerprint,
             ticks_served=self.ticks_served,
             ticks_refused=self.ticks_refused,
         )

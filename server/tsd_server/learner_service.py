@@ -11,7 +11,6 @@ import zenoh
 
 from tsd_casadi.database.database import Database
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
-from tsd_casadi.motions.parameter import RESERVED
 from tsd_casadi.wire.feedforward import FeedforwardMessage
 from tsd_casadi.wire.keys import (
     ANY_ROBOT,
@@ -21,7 +20,15 @@ from tsd_casadi.wire.keys import (
     robot_of,
     suggestion_key,
 )
-from tsd_casadi.wire.learner import DatabaseReply, EntryMessage, RecordMessage, RecordReply
+from tsd_casadi.wire.learner import (
+    DamagedMessage,
+    DatabaseReply,
+    EntryMessage,
+    RecordReply,
+    entry_messages,
+)
+from tsd_casadi.wire.question import Question, number
+from tsd_casadi.wire.record import RecordMessage
 from tsd_casadi.wire.suggestion import SuggestionMessage
 from tsd_server.service import Service, reply_json
 
@@ -31,9 +38,8 @@ EVERY = "all"
 LARGEST_RECORDING = 50_000_000
 # the number of an entry, as large as SQLite's may be
 _ENTRY = re.compile(r"[0-9]{1,18}", re.ASCII)
-OPTIONS = ("task", "kind", "extrapolate")
-QUERY = "?task=squat;amplitude=0.05;frequency=0.25"
-REGION = "?task=squat;amplitude=0.02:0.08;frequency=0.2:0.6"
+QUERY = "?motion=squat;amplitude=0.05;frequency=0.25"
+REGION = "?motion=squat;amplitude=0.02:0.08;frequency=0.2:0.6"
 
 
 class LearnerService:
@@ -91,40 +97,41 @@ class LearnerService:
     def _feedforward(self, query: zenoh.Query, robot: str) -> None:
         if robot == ANY_ROBOT:
             raise MalformedMessage("a feedforward for any robot", "the robot's name in the key")
-        texts = _texts(query, QUERY)
-        kind = texts.get("kind")
-        if kind not in (None, "learned", "generalised"):
-            raise InvalidValue("kind", repr(kind), "learned or generalised")
-        extrapolate = texts.get("extrapolate", "false").lower()
-        if extrapolate not in ("true", "false"):
-            raise InvalidValue("extrapolate", repr(extrapolate), "true or false")
-        parameters = {
-            name: _number(name, text) for name, text in texts.items() if name not in OPTIONS
-        }
+        asked = Question.of(_texts(query), QUERY)
         feedforward = self._open_database.query(
-            texts["task"],
+            asked.motion,
             robot=robot,
-            kind=kind,
-            extrapolate=extrapolate == "true",
-            **parameters,
+            kind=asked.kind,
+            extrapolate=asked.extrapolate,
+            axes=asked.axes,
+            context=asked.context,
+            version=asked.version,
+            **asked.numbers(),
         )
-        message = FeedforwardMessage.of(robot, texts["task"], feedforward)
+        message = FeedforwardMessage.of(robot, asked.motion, feedforward, self._service.instance)
         reply_json(query, feedforward_key(robot), message.encode())
 
     def _suggestion(self, query: zenoh.Query, robot: str) -> None:
         if robot == ANY_ROBOT:
             raise MalformedMessage("a suggestion for any robot", "the robot's name in the key")
-        texts = _texts(query, REGION)
-        motion = texts.pop("task")
+        asked = Question.of(_texts(query), REGION)
         region, fixed = {}, {}
-        for name, text in texts.items():
+        for name, text in asked.parameters.items():
             low, colon, high = text.partition(":")
             if colon:
-                region[name] = _number(name, low), _number(name, high)
+                region[name] = number(name, low), number(name, high)
             else:
-                fixed[name] = _number(name, text)
-        suggestion = self._open_database.suggest(motion, robot=robot, region=region, **fixed)
-        message = SuggestionMessage.of(robot, motion, suggestion)
+                fixed[name] = number(name, text)
+        suggestion = self._open_database.suggest(
+            asked.motion,
+            robot=robot,
+            region=region,
+            axes=asked.axes,
+            context=asked.context,
+            version=asked.version,
+            **fixed,
+        )
+        message = SuggestionMessage.of(robot, asked.motion, suggestion, self._service.instance)
         reply_json(query, suggestion_key(robot), message.encode())
 
     def _record(self, query: zenoh.Query, robot: str) -> None:
@@ -140,41 +147,35 @@ class LearnerService:
         message = RecordMessage.decode(payload)
         recording = message.recording(robot)
         entry, notes = self._open_database.record(recording, message.instruction())
-        reply = RecordReply(entry=EntryMessage.of(entry), notes=notes)
+        reply = RecordReply(
+            instance=self._service.instance, entry=EntryMessage.of(entry), notes=notes
+        )
         reply_json(query, record_key(robot), reply.encode())
 
     def _entries(self, query: zenoh.Query, robot: str) -> None:
-        forgotten = None
+        database, forgotten = self._open_database, None
         forget = query.parameters.get("forget")
         if forget is not None:
             if _ENTRY.fullmatch(str(forget)) is None:
                 raise InvalidValue("forget", repr(str(forget)), "the number of an entry")
-            forgotten = EntryMessage.of(self._open_database.forget(int(forget)))
-        entries = self._open_database.entries(None if robot == ANY_ROBOT else robot)
+            forgotten = database.forget(int(forget))
+        only = None if robot == ANY_ROBOT else robot
         reply = DatabaseReply(
+            instance=self._service.instance,
             database=str(self.path),
-            entries=[EntryMessage.of(entry) for entry in entries],
-            forgotten=forgotten,
+            entries=entry_messages(database.entries(only)),
+            damaged=tuple(
+                DamagedMessage(entry=each.identifier, reason=each.reason)
+                for each in database.damaged(only)
+            ),
+            forgotten=None if forgotten is None else EntryMessage.of(forgotten),
         )
         name = EVERY if robot == ANY_ROBOT else robot
         reply_json(query, database_key(name), reply.encode())
 
 
-def _texts(query: zenoh.Query, example: str) -> dict[str, str]:
-    """Read the selector's parameters, the motion among them as 'task'."""
+def _texts(query: zenoh.Query) -> dict[str, str]:
+    """Read the selector's parameters."""
     # the stub does not know that Parameters iterate over pairs
     pairs = list(dict(query.parameters).items())  # type: ignore[call-overload]
-    texts = {str(name): str(value) for name, value in pairs}
-    if "task" not in texts:
-        raise MalformedMessage("no task in the query", example)
-    return texts
-
-
-def _number(name: str, text: str) -> float:
-    """Read a parameter of a motion; whether it makes sense is for the database to say."""
-    if name in RESERVED:
-        raise InvalidValue(f"parameter '{name}'", repr(text), "the name of a motion's parameter")
-    try:
-        return float(text)
-    except ValueError:
-        raise InvalidValue(name, repr(text), "a number in SI units") from None
+    return {str(name): str(value) for name, value in pairs}

@@ -147,7 +147,9 @@ class Service:
             except Exception as error:
                 # the client must not wait for its timeout because of our defect
                 message = ErrorMessage(
-                    code="internal", message=f"{self._role} failed: {type(error).__name__}: {error}"
+                    format="tsd.error/2",
+                    code="internal",
+                    message=f"{self._role} failed: {type(error).__name__}: {error}",
                 )
                 query.reply_err(message.encode(), encoding=JSON)
                 say(message.message, sys.stderr)

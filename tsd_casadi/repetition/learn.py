@@ -50,6 +50,7 @@ class Learner(Protocol):
         extrapolate: bool = False,
         axes: Sequence[str] | None = None,
         context: Context | None = None,
+        version: str | None = None,
         **parameters: float,
     ) -> Feedforward:
         """Tell the feedforward for some parameters of a motion."""
@@ -191,6 +192,7 @@ def _served(
             extrapolate=False,
             axes=axes,
             context=context,
+            version=motion.version,
             **motion.parameters,
         )
     except EntryNotFound:

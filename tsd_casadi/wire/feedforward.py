@@ -4,122 +4,121 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from pydantic import Field
 
-from tsd_casadi.document import Document, Finite, to_matrix
-from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.document import Document, Finite, Name, to_matrix
 from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.learning.feedforward import Feedforward, Kind
-from tsd_casadi.motions.parameter import unit_of
+from tsd_casadi.motions.declaration import Declaration
+from tsd_casadi.wire.axis import Axes, NotNegative, axis_messages, plain_axes
+from tsd_casadi.wire.basis import BasisMessage
+from tsd_casadi.wire.context import ContextMessage
+from tsd_casadi.wire.declaration import (
+    DeclarationMessage,
+    QuantityMessage,
+    plain_parameters,
+    quantities,
+)
+from tsd_casadi.wire.message import Instance, Message, VersionText
 
 
-class QuantityMessage(Document):
-    """A number with its unit."""
-
-    value: Finite
-    unit: str
-
-    @classmethod
-    def of(cls, motion: str, name: str, value: float) -> QuantityMessage:
-        """Describe the value of a motion's parameter."""
-        return cls(value=value, unit=unit_of(motion, name))
-
-
-def plain_parameters(motion: str, parameters: dict[str, QuantityMessage]) -> dict[str, float]:
-    """Check the units of a motion's parameters and drop them.
-
-    Raises:
-        MalformedMessage: If a unit is not the parameter's.
-    """
-    for name, quantity in parameters.items():
-        if quantity.unit != unit_of(motion, name):
-            raise MalformedMessage(
-                f"{name} of a {motion} in '{quantity.unit}'", f"'{unit_of(motion, name)}'"
-            )
-    return {name: quantity.value for name, quantity in parameters.items()}
-
-
-class BasisMessage(Document):
-    """A periodic basis, eqs. (basis_functions) and (psi) of the paper.
+class BandMessage(Document):
+    """How far the feedforward may be off.
 
     Attributes:
-        type: Always 'periodic_rbf'.
-        L: Number of functions.
-        centres: c_j [rad].
-        width: h.
+        kind: 'pointwise' at each phase by itself, 'simultaneous' for whole laps.
+        coverage: Share of phases or laps that it is meant to hold.
+        half_width: Weights of half its width, k rows of L numbers.
     """
 
-    type: Literal["periodic_rbf"] = "periodic_rbf"
-    L: Annotated[int, Field(ge=1, le=1000)]
-    centres: tuple[Finite, ...]
-    width: Annotated[float, Field(gt=0, lt=1e6)]
-
-    @classmethod
-    def of(cls, basis: PeriodicBasis) -> BasisMessage:
-        """Describe a basis."""
-        return cls(L=basis.L, centres=tuple(basis.centers), width=basis.width)
-
-    def basis(self) -> PeriodicBasis:
-        """Make the basis.
-
-        Raises:
-            MalformedMessage: If the centres are not 2 pi j / L.
-        """
-        basis = PeriodicBasis(self.L, self.width)
-        if len(self.centres) != self.L or not np.allclose(
-            self.centres, basis.centers, rtol=0, atol=1e-9
-        ):
-            raise MalformedMessage("basis.centres", "2 pi j / L for j = 0 ... L - 1")
-        return basis
+    kind: Literal["pointwise", "simultaneous"]
+    coverage: Annotated[float, Field(gt=0, lt=1)]
+    half_width: list[list[NotNegative]]
 
 
-class FeedforwardMessage(Document):
+class BoundMessage(Document):
+    """What the feedforward was bounded by.
+
+    Attributes:
+        largest: Largest absolute value along each axis, k numbers [unit/s^2].
+        reason: Where it comes from.
+    """
+
+    largest: list[NotNegative]
+    reason: Annotated[str, Field(max_length=200)] = ""
+
+
+class FeedforwardMessage(Message):
     """A feedforward term: the project's most public contract.
 
     Attributes:
         format: Name and version of this message.
+        instance: Id of the service.
         robot: Name of the robot.
-        task: Name of the motion.
-        axes: Names 'task.axis', k of them, world axes.
+        motion: Name of the motion.
+        version: Of the motion.
+        axes: k of them; weights are in their unit by s^2.
         parameters: Of the motion, with units.
-        unit: Unit of weights and standard deviations.
         basis: The basis.
-        weights: k rows of L numbers.
+        weights: k rows of L numbers [unit/s^2].
         standard_deviations: Weights of the predictive standard deviation over
             the phase, in the same basis.
         kind: 'learned' or 'generalised'.
+        context: In which it was learned.
+        others: Number of entries of the motion in other contexts.
+        epoch: Counts how often the robot had changed before.
+        declaration: What is said of the motion.
+        bands: How far it may be off, besides the standard deviations.
+        bound: What it was bounded by.
         provenance: Entries used, iteration, errors, gains.
     """
 
-    format: Literal["tsd.feedforward/1"] = "tsd.feedforward/1"
+    format: Literal["tsd.feedforward/2"] = "tsd.feedforward/2"
+    instance: Instance = 0
     robot: str
-    task: str
-    axes: Annotated[tuple[str, ...], Field(min_length=1)]
+    motion: Name
+    version: VersionText = ""
+    axes: Axes
     parameters: dict[str, QuantityMessage]
-    unit: Literal["m/s^2"] = "m/s^2"
     basis: BasisMessage
     weights: list[list[Finite]]
     standard_deviations: list[list[Finite]]
     kind: Kind
+    context: ContextMessage = ContextMessage()
+    others: Annotated[int, Field(ge=0)] = 0
+    epoch: Annotated[int, Field(ge=0)] = 0
+    declaration: DeclarationMessage | None = None
+    bands: list[BandMessage] | None = None
+    bound: BoundMessage | None = None
     provenance: dict[str, Any]
 
     @classmethod
-    def of(cls, robot: str, motion: str, feedforward: Feedforward) -> FeedforwardMessage:
-        """Describe a feedforward."""
+    def of(
+        cls, robot: str, motion: str, feedforward: Feedforward, instance: int = 0
+    ) -> FeedforwardMessage:
+        """Describe a feedforward.
+
+        Args:
+            instance: Id of the service.
+        """
+        declaration = feedforward.declaration or Declaration.unknown(motion)
+        provenance = feedforward.provenance
         return cls(
+            instance=instance,
             robot=robot,
-            task=motion,
-            axes=feedforward.axes,
-            parameters={
-                name: QuantityMessage.of(motion, name, value)
-                for name, value in feedforward.parameters.items()
-            },
+            motion=motion,
+            version=declaration.version,
+            axes=axis_messages(feedforward.axes),
+            parameters=quantities(declaration, feedforward.parameters),
             basis=BasisMessage.of(feedforward.basis),
             weights=feedforward.weights.tolist(),
             standard_deviations=feedforward.standard_deviations.tolist(),
             kind=feedforward.kind,
-            provenance=feedforward.provenance,
+            context=ContextMessage(**provenance.get("context", {})),
+            others=provenance.get("others", 0),
+            epoch=provenance.get("epoch", 0),
+            declaration=DeclarationMessage.of(declaration) if declaration.parameters else None,
+            provenance=provenance,
         )
 
     def feedforward(self) -> Feedforward:
@@ -128,7 +127,8 @@ class FeedforwardMessage(Document):
         Raises:
             MalformedMessage: If shapes or units do not fit.
         """
-        shape = (len(self.axes), self.basis.L)
+        axes = plain_axes(self.axes)
+        shape = (len(axes), self.basis.L)
         deviations = to_matrix("standard_deviations", self.standard_deviations, shape)
         if (deviations < 0).any():
             raise MalformedMessage("a negative standard deviation", "none below zero")
@@ -138,12 +138,18 @@ class FeedforwardMessage(Document):
                 f"provenance with entries {entries!r}, iteration {iteration!r}",
                 "a list of entries and the number of an iteration",
             )
+        declaration = (
+            Declaration.unknown(self.motion, self.version)
+            if self.declaration is None
+            else self.declaration.declaration()
+        )
         return Feedforward(
-            axes=self.axes,
+            axes=axes,
             basis=self.basis.basis(),
             weights=to_matrix("weights", self.weights, shape),
             standard_deviations=deviations,
             kind=self.kind,
-            parameters=plain_parameters(self.task, self.parameters),
+            parameters=plain_parameters(declaration, self.parameters),
             provenance=self.provenance,
+            declaration=declaration,
         )

@@ -11,6 +11,7 @@ from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.tick.format import STATUS_MEANING, TickFormat
 from tsd_casadi.tick.layout import Field as LayoutField
 from tsd_casadi.tick.layout import Layout
+from tsd_casadi.wire.message import Message
 
 
 class FieldMessage(Document):
@@ -63,7 +64,7 @@ def _layout(fields: list[FieldMessage]) -> Layout:
     return layout
 
 
-class InfoMessage(Document):
+class InfoMessage(Message):
     """What a controller is: enough to pack a tick without this software.
 
     Attributes:
@@ -74,6 +75,8 @@ class InfoMessage(Document):
         protocol: Version of the tick's header.
         layout_hash: For the tick's header, hexadecimal.
         model: Fingerprint of the robot description.
+        body: Fingerprint of kinematics, masses and inertias, as in a context.
+        formulation: Fingerprint of tasks, contacts and cost terms, as in a context.
         joints: Actuated joints, in the order of q, v and tau.
         contacts: Contacts, in the order of the wrenches.
         axes: (task, axis) in the order of error and feedback.
@@ -85,13 +88,15 @@ class InfoMessage(Document):
         ticks_refused: Ticks answered with an error.
     """
 
-    format: Literal["tsd.info/1"] = "tsd.info/1"
+    format: Literal["tsd.info/2"] = "tsd.info/2"
     robot: str
     version: str
     instance: int
     protocol: int
     layout_hash: str
     model: str
+    body: str
+    formulation: str
     joints: tuple[str, ...]
     contacts: tuple[str, ...]
     axes: tuple[tuple[str, str], ...]
@@ -111,6 +116,8 @@ class InfoMessage(Document):
         instance: int,
         protocol: int,
         model: str,
+        body: str,
+        formulation: str,
         ticks_served: int,
         ticks_refused: int,
     ) -> InfoMessage:
@@ -122,6 +129,8 @@ class InfoMessage(Document):
             protocol=protocol,
             layout_hash=f"{tick_format.layout_hash:016x}",
             model=model,
+            body=body,
+            formulation=formulation,
             joints=tick_format.joints,
             contacts=tick_format.contacts,
             axes=tick_format.axes,

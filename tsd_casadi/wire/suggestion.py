@@ -2,46 +2,76 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from tsd_casadi.document import Document, Finite
+from tsd_casadi.document import Finite, Name
 from tsd_casadi.generalization.suggestion import Suggestion
-from tsd_casadi.wire.feedforward import QuantityMessage, plain_parameters
+from tsd_casadi.motions.declaration import Declaration
+from tsd_casadi.wire.context import ContextMessage
+from tsd_casadi.wire.declaration import (
+    DeclarationMessage,
+    QuantityMessage,
+    plain_parameters,
+    quantities,
+)
+from tsd_casadi.wire.message import Instance, Message, VersionText
 
 
-class SuggestionMessage(Document):
+class SuggestionMessage(Message):
     """The parameters of a motion whose repetition would teach most.
 
     Attributes:
         format: Name and version of this message.
+        instance: Id of the service.
         robot: Name of the robot.
-        task: Name of the motion.
+        motion: Name of the motion.
+        version: Of the motion.
         parameters: Of the motion, with units.
         standard_deviation: Of the feedforward predicted there, RMS over the lap
-            and the axes; null while there are too few entries to tell.
-        unit: Unit of the standard deviation.
+            and the axes, in their units by s^2; null while there are too few
+            entries to tell.
+        context: Of the entries that count.
+        others: Number of entries of the motion in other contexts.
+        declaration: What is said of the motion; null while nothing is known of it.
+        provenance: Which entries count, plain data.
     """
 
-    format: Literal["tsd.suggestion/1"] = "tsd.suggestion/1"
+    format: Literal["tsd.suggestion/2"] = "tsd.suggestion/2"
+    instance: Instance = 0
     robot: str
-    task: str
+    motion: Name
+    version: VersionText = ""
     parameters: dict[str, QuantityMessage]
     standard_deviation: Annotated[Finite, Field(ge=0)] | None
-    unit: Literal["m/s^2"] = "m/s^2"
+    context: ContextMessage = ContextMessage()
+    others: Annotated[int, Field(ge=0)] = 0
+    declaration: DeclarationMessage | None = None
+    provenance: Annotated[dict[str, Any], Field(default_factory=dict)]
 
     @classmethod
-    def of(cls, robot: str, motion: str, suggestion: Suggestion) -> SuggestionMessage:
-        """Describe a suggestion."""
+    def of(
+        cls, robot: str, motion: str, suggestion: Suggestion, instance: int = 0
+    ) -> SuggestionMessage:
+        """Describe a suggestion.
+
+        Args:
+            instance: Id of the service.
+        """
+        declaration = suggestion.declaration or Declaration.unknown(motion)
+        provenance = suggestion.provenance
         return cls(
+            instance=instance,
             robot=robot,
-            task=motion,
-            parameters={
-                name: QuantityMessage.of(motion, name, value)
-                for name, value in suggestion.parameters.items()
-            },
+            motion=motion,
+            version=declaration.version,
+            parameters=quantities(declaration, suggestion.parameters),
             standard_deviation=suggestion.standard_deviation,
+            context=ContextMessage(**provenance.get("context", {})),
+            others=provenance.get("others", 0),
+            declaration=DeclarationMessage.of(declaration) if declaration.parameters else None,
+            provenance=provenance,
         )
 
     def suggestion(self) -> Suggestion:
@@ -50,4 +80,14 @@ class SuggestionMessage(Document):
         Raises:
             MalformedMessage: If a unit is not the parameter's.
         """
-        return Suggestion(plain_parameters(self.task, self.parameters), self.standard_deviation)
+        declaration = (
+            Declaration.unknown(self.motion, self.version)
+            if self.declaration is None
+            else self.declaration.declaration()
+        )
+        return Suggestion(
+            plain_parameters(declaration, self.parameters),
+            self.standard_deviation,
+            self.provenance,
+            declaration,
+        )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tsd_casadi.generalization.suggestion import Region, Suggestion
+from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.instruction import USUAL, Instruction
 from tsd_casadi.learning.recording import Recording
@@ -17,7 +18,9 @@ from tsd_casadi.wire.keys import (
     record_key,
     suggestion_key,
 )
-from tsd_casadi.wire.learner import DatabaseReply, EntryMessage, RecordMessage, RecordReply
+from tsd_casadi.wire.learner import DatabaseReply, EntryMessage, RecordReply
+from tsd_casadi.wire.question import question_texts
+from tsd_casadi.wire.record import RecordMessage
 from tsd_casadi.wire.suggestion import SuggestionMessage
 from tsd_clients.remote.session import Session
 
@@ -65,6 +68,9 @@ class RemoteLearner:
         robot: str,
         kind: str | None = None,
         extrapolate: bool = False,
+        axes: Sequence[str] | None = None,
+        context: Context | None = None,
+        version: str | None = None,
         **parameters: float,
     ) -> Feedforward:
         """Ask for the feedforward for some parameters of a motion; see ``Database.query``.
@@ -73,7 +79,14 @@ class RemoteLearner:
             TsdError: What ``Database.query`` raises, ``EntryNotFound`` for instance.
         """
         return self.query_message(
-            motion, robot=robot, kind=kind, extrapolate=extrapolate, **parameters
+            motion,
+            robot=robot,
+            kind=kind,
+            extrapolate=extrapolate,
+            axes=axes,
+            context=context,
+            version=version,
+            **parameters,
         ).feedforward()
 
     def query_message(
@@ -84,13 +97,13 @@ class RemoteLearner:
         robot: str,
         kind: str | None = None,
         extrapolate: bool = False,
+        axes: Sequence[str] | None = None,
+        context: Context | None = None,
+        version: str | None = None,
         **parameters: float,
     ) -> FeedforwardMessage:
         """Ask for a feedforward as it comes over the network."""
-        selector = {
-            "task": motion,
-            **{name: repr(float(value)) for name, value in parameters.items()},
-        }
+        selector = question_texts(motion, parameters, version=version, axes=axes, context=context)
         if kind is not None:
             selector["kind"] = kind
         if extrapolate:
@@ -99,21 +112,33 @@ class RemoteLearner:
         return FeedforwardMessage.decode(body)
 
     def suggest(
-        self, motion: str, /, *, robot: str, region: Region, **parameters: float
+        self,
+        motion: str,
+        /,
+        *,
+        robot: str,
+        region: Region,
+        axes: Sequence[str] | None = None,
+        context: Context | None = None,
+        version: str | None = None,
+        **parameters: float,
     ) -> Suggestion:
         """Where to learn next; see ``Database.suggest``.
 
         Raises:
             TsdError: What ``Database.suggest`` raises.
         """
-        selector = {
-            "task": motion,
-            **{name: repr(float(value)) for name, value in parameters.items()},
-        }
+        selector = question_texts(motion, parameters, version=version, axes=axes, context=context)
         for name, (low, high) in region.items():
             selector[name] = f"{float(low)!r}:{float(high)!r}"
         body = self._session.query_one(suggestion_key(robot), parameters=selector)
         return SuggestionMessage.decode(body).suggestion()
+
+    def entries(self, robot: str | None = None, motion: str | None = None) -> list[EntryMessage]:
+        """Ask for the entries; see ``Database.entries``."""
+        body = self._session.query_one(database_key(robot or ANY_ROBOT))
+        entries = DatabaseReply.decode(body).entries
+        return [entry for entry in entries if motion in (None, entry.motion)]
 
     def record(
         self, recording: Recording, instruction: Instruction = USUAL
