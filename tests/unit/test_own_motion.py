@@ -65,7 +65,7 @@ def test_a_class_in_a_file_is_a_motion(write: Write, robot: Robot) -> None:
     low, high = range_of(robot, kind, kind.declaration().parameters[0])
     assert low == 0.0
     assert 0.02 < high < 0.5
-    with pytest.raises(InvalidValue, match="hop is 0.5"):
+    with pytest.raises(InvalidValue, match=r"hop is 0\.5"):
         check_motion(robot, kind(hop=0.5))
 
 

@@ -77,7 +77,7 @@ def test_the_polygon_is_the_hull_of_all_soles(robot: Robot) -> None:
     np.testing.assert_allclose(polygon.max(axis=0), [max(x), max(y)], atol=1e-9)
     middle = polygon.mean(axis=0)
     assert margin(polygon, middle) == pytest.approx(0.10)
-    assert margin(polygon, middle + [0.12, 0.0]) == pytest.approx(-0.02)
+    assert margin(polygon, middle + np.array([0.12, 0.0])) == pytest.approx(-0.02)
 
 
 def test_a_twist_ends_where_joints_do(robot: Robot) -> None:

@@ -45,7 +45,6 @@ BROKEN: dict[str, tuple[Edit, str, str]] = {
     "missing friction": (drop("contacts", 1, "friction"), "contacts.1.friction", "is missing"),
     "missing gain": (drop("tasks", 0, "P"), "tasks.0.P", "is missing"),
     "missing frame gain": (drop("tasks", 1, "W"), "tasks.1.W", "is missing"),
-    "missing motion": (drop("motions", "squat"), "motions.squat", "is missing"),
     "unknown field": (put("colour", "red"), "colour", "is not a known field"),
     "misspelt field": (put("posture", "p", 1.0), "posture.p", "misspelling"),
     "misspelt task field": (put("tasks", 0, "w", 1.0), "tasks.0.w", "misspelling"),
@@ -103,19 +102,22 @@ BROKEN: dict[str, tuple[Edit, str, str]] = {
         for name in HardwareFile.model_fields
     },
     "infinite lag": (put("hardware", "torque_lag", math.inf), "hardware.torque_lag", "finite"),
-    "heights without home": (
-        put("motions", "squat", "height", [0.01, 0.05]),
+    "a motion's range of one number": (
+        put("motions", "squat", "height", [0.05]),
         "motions.squat.height",
-        "a range that holds 0, home",
+        "is missing",
     ),
-    "swapped heights": (
-        put("motions", "squat", "height", [0.05, -0.05]),
+    "a word for a motion's range": (
+        put("motions", "squat", "height", "high"),
         "motions.squat.height",
-        "a range that holds 0, home",
+        "tuple",
+    ),
+    "an infinite range": (
+        put("motions", "squat", "height", [-math.inf, 0.1]),
+        "motions.squat.height.0",
+        "finite",
     ),
     "squat on no task": (put("motions", "squat", "task", "x"), "motions.squat.task", "com"),
-    "squat on a frame": (put("motions", "squat", "task", "torso"), "motions.squat.task", "com"),
-    "squat without z": (put("tasks", 0, "axes", ["x", "y"]), "motions.squat.task", "none"),
     **{
         f"reserved name {name}": (put("tasks", 1, "name", name), "tasks", f"'{name}'")
         for name in ("posture", "limits", "regularization", "safe_torque", "q", "v")
@@ -198,13 +200,20 @@ def test_axes_default_to_all(write_robot: WriteRobot) -> None:
 
 def test_optional_sections_may_be_left_out(write_robot: WriteRobot) -> None:
     def leave_out(document: Any) -> None:
-        del document["postures"], document["hardware"], document["motions"]["squat"]["height"]
+        del document["postures"], document["hardware"], document["motions"]
 
     description = read_robot_file(write_robot(leave_out))
     assert description.postures == {}
     assert description.hardware is None
-    # at home only
-    assert description.motions.squat.height == (0.0, 0.0)
+    assert description.motions == {}
+
+
+def test_motions_say_ranges_and_maybe_a_task(write_robot: WriteRobot) -> None:
+    motions = {"squat": {"task": "com", "amplitude": [0.01, 0.02]}, "sway": {"frequency": [0.1, 1]}}
+    description = read_robot_file(write_robot(put("motions", motions)))
+    squat, sway = description.motions["squat"], description.motions["sway"]
+    assert (squat.task, squat.ranges) == ("com", {"amplitude": (0.01, 0.02)})
+    assert (sway.task, sway.ranges) == (None, {"frequency": (0.1, 1.0)})
 
 
 def test_hardware_without_any_effect_is_allowed(write_robot: WriteRobot) -> None:
