@@ -44,27 +44,41 @@ def test_learning_takes_away_the_true_error(
     errors = {}
     for name, compensators in (("without", []), ("with", [CenterOfMassShift(correction)])):
         database = Database(tmp_path / f"{name}.sqlite")
-        runs = learn(simulator, controller, [SQUAT], database, laps=2, compensators=compensators)
-        errors[name] = runs[-1].true_rms_error
+        runs = learn(
+            simulator,
+            controller,
+            [SQUAT],
+            database,
+            axes=("com.z",),
+            laps=2,
+            compensators=compensators,
+        )
+        errors[name] = runs[-1].errors["com.z"].true_rms
         # what the controller sees is small either way
-        assert runs[-1].rms_error < 0.1 * runs[0].rms_error
+        first, last = (runs[index].errors["com.z"].rms for index in (0, -1))
+        assert last < 0.1 * first
     assert errors["without"] > 5e-3
     assert errors["with"] < 0.2 * errors["without"]
 
 
 def test_the_controllers_error_is_that_of_the_corrected_centre_of_mass(
-    simulator: MujocoSimulator, controller: Controller, correction: CenterOfMassCorrection
+    simulator: MujocoSimulator,
+    controller: Controller,
+    correction: CenterOfMassCorrection,
+    robot: Robot,
 ) -> None:
     run = simulator.run(controller, SQUAT, laps=2, compensators=[CenterOfMassShift(correction)])
+    assert run.axes == ("com.z", "com.x", "com.y")
     for tick in range(0, run.ticks, 300):
-        height = correction.center_of_mass(run.log["q"][tick].astype(float))[2]
-        expected = run.log["reference"][tick] - height
-        assert run.log["error"][tick] == pytest.approx(expected, abs=1e-6)
+        com = correction.center_of_mass(run.log["q"][tick].astype(float))[[2, 0, 1]]
+        expected = run.log["reference"][tick] + robot.home_com[[2, 0, 1]] - com
+        np.testing.assert_allclose(run.log["error"][tick], expected, atol=1e-6)
     # and the feedback's rate that of its error
-    rate = np.gradient(run.log["error"], 1e-3)
-    feedback = run.gains["P"][2] * run.log["error"] + run.gains["D"][2] * rate
+    error = run.along("error", "com.z")
+    feedback = run.gains["P"][0] * error + run.gains["D"][0] * np.gradient(error, 1e-3)
     late = slice(1500, run.ticks - 1)
-    np.testing.assert_allclose(run.log["feedback"][late], feedback[late], atol=0.01)
+    found = run.along("feedback", "com.z")
+    np.testing.assert_allclose(found[late], feedback[late], atol=0.01)
 
 
 def test_a_correction_that_knows_nothing_changes_nothing(
@@ -73,7 +87,8 @@ def test_a_correction_that_knows_nothing_changes_nothing(
     nothing = prior_correction(robot)
     plain = simulator.run(controller, SQUAT, laps=2)
     shifted = simulator.run(controller, SQUAT, laps=2, compensators=[CenterOfMassShift(nothing)])
-    assert shifted.true_rms_error == pytest.approx(plain.true_rms_error, abs=1e-8)
+    for axis, error in plain.errors.items():
+        assert shifted.errors[axis].true_rms == pytest.approx(error.true_rms, abs=1e-8)
 
 
 def test_another_models_correction_is_refused(

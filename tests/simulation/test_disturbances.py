@@ -15,9 +15,10 @@ from tsd_casadi import Robot, State
 from tsd_casadi.exceptions import InvalidValue
 from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.disturbances import Disturbance, Push, TorqueNoise
-from tsd_clients.simulator.mujoco_plant import TIMESTEP, MujocoPlant
+from tsd_clients.simulator.mujoco_plant import MujocoPlant
 
 JOINTS = 17
+TIMESTEP = 1e-3  # s
 
 
 def nowhere() -> tuple[Any, Any]:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -27,30 +27,54 @@ P, D = 50.0, 2 * math.sqrt(50.0)
 Signal = Callable[[float], float]
 
 
-def follow(d: Signal, u: Signal, laps: int = 3) -> tuple[float | None, list[float]]:
-    """A double integrator with a gate; laps until the drop and all u applied."""
+def gate_of(axes: int = 1, learned: int | None = None, stiffness: Sequence[float] = (P,)) -> Any:
+    """A gate that was started, of axes with any gains; errors of other axes are no numbers."""
     gate = FeedforwardGate()
-    gate.start(SimpleNamespace(axis=1, component=0, task="com", dt=DT))  # type: ignore[arg-type]
+    gains = {"P": np.resize(stiffness, axes), "D": 2 * np.sqrt(np.resize(stiffness, axes))}
+    gate.start(
+        SimpleNamespace(  # type: ignore[arg-type]
+            index=np.arange(1, axes + 1),
+            learned=axes if learned is None else learned,
+            period=DT,
+            gain=lambda command, name: gains[name],
+        )
+    )
+    return gate
+
+
+def moment_of(time: float, phase: float, lap: int, u: Sequence[float]) -> Any:
+    nothing = np.zeros(len(u))
+    reference = Reference(nothing, nothing, nothing)
+    state: Any = None
+    return Moment(time, phase, lap, state, reference, np.array(u, dtype=float), state)
+
+
+def answer(moment: Any, error: Sequence[float]) -> None:
+    """A tick whose first error belongs to an axis that is not of the repetition."""
+    moment.tick = SimpleNamespace(error=np.array([math.nan, *error]))
+
+
+def follow(
+    d: Signal, u: Signal, laps: int = 3, others: int = 0
+) -> tuple[float | None, list[float]]:
+    """A double integrator with a gate; laps until the drop and all u applied.
+
+    Other axes have neither an error nor a feedforward.
+    """
+    gate = gate_of(1 + others)
     e = rate = 0.0
     applied = []
+    rest = [0.0] * others
     for tick in range(round((HOLD + laps / FREQUENCY) / DT)):
         time = tick * DT
         phase = math.pi + 2 * math.pi * FREQUENCY * max(time - HOLD, 0.0)
         lap = math.floor((time - HOLD) * FREQUENCY + 1e-9)
-        moment: Any = Moment(
-            time,
-            phase,
-            max(lap, -1),
-            None,  # type: ignore[arg-type]
-            Reference(0.0, 0.0, 0.0),
-            u(phase),
-            {"com.P": [P], "com.D": [D]},  # type: ignore[arg-type]
-        )
+        moment = moment_of(time, phase, max(lap, -1), [*rest, u(phase)])
         gate.before(moment)
-        applied.append(moment.feedforward)
-        moment.tick = SimpleNamespace(error=[math.nan, e])
+        applied.append(float(moment.feedforward[-1]))
+        answer(moment, [*rest, e])
         gate.after(moment)
-        rate += DT * (d(phase) - moment.feedforward - D * rate - P * e)
+        rate += DT * (d(phase) - applied[-1] - D * rate - P * e)
         e += DT * rate
     dropped = gate.dropped_at
     return None if dropped is None else (dropped - HOLD) * FREQUENCY, applied
@@ -108,13 +132,70 @@ def test_nothing_to_judge_is_kept() -> None:
     assert dropped is None
 
 
+@pytest.mark.parametrize("others", [0, 2])
+@pytest.mark.parametrize("factor", [-1.0, 0.5])
+def test_axes_without_an_error_change_nothing(factor: float, others: int) -> None:
+    alone, applied = follow(lambda _: 1.0, lambda _: factor)
+    together, with_others = follow(lambda _: 1.0, lambda _: factor, others=others)
+    assert (together is None) == (alone is None) == (factor > 0)
+    if alone is not None:
+        # the same sum over more axes has to harm more than so many times nothing
+        assert together == pytest.approx(alone, abs=0.02)
+        assert with_others[-1] == applied[-1] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "drops"),
+    [
+        # the second axis is tracked worse by as much as the first one is tracked better
+        ((50.0, 200.0), True),
+        ((200.0, 50.0), False),
+    ],
+)
+def test_axes_count_as_the_feedback_counts_them(
+    stiffness: tuple[float, float], drops: bool
+) -> None:
+    gate = gate_of(2, stiffness=stiffness)
+    for tick in range(2000):
+        moment = moment_of(tick * DT, 2 * math.pi * FREQUENCY * tick * DT, tick // 1000, [0.0, 0.0])
+        gate.before(moment)
+        # errors that u is said to have made: the first smaller, the second larger
+        gate._moved = np.array([5e-3, -5e-3])
+        gate._rate = np.zeros(2)
+        answer(moment, [5e-3, 1e-2])
+        gate.after(moment)
+    assert (gate.dropped_at is not None) == drops
+
+
+def test_axes_that_only_move_are_neither_judged_nor_spared() -> None:
+    gate = gate_of(2, learned=1)
+    for tick in range(3000):
+        moment = moment_of(
+            tick * DT, 2 * math.pi * FREQUENCY * tick * DT, tick // 1000, [-1.0, 0.0]
+        )
+        gate.before(moment)
+        answer(moment, [2 / P, math.nan])
+        gate.after(moment)
+    assert gate.dropped_at is not None
+    assert not moment.feedforward.any()
+
+
+def test_a_gate_says_when_and_why() -> None:
+    gate = gate_of()
+    assert gate.veto is None
+    gate.dropped_at = 1.5
+    assert gate.veto.startswith("the feedforward was dropped at 1.50 s")
+    gate.start(SimpleNamespace(index=np.arange(1), learned=1))  # type: ignore[arg-type]
+    assert gate.veto is None
+
+
 def wrong_for(none: Run) -> Feedforward:
     """Of about the right size and the wrong sign."""
     basis = PeriodicBasis()
     return Feedforward(
         axes=("com.z",),
         basis=basis,
-        weights=np.full((1, basis.L), 1.0 if none.log["feedback"][-1] < 0 else -1.0),
+        weights=np.full((1, basis.L), 1.0 if none.along("feedback", "com.z")[-1] < 0 else -1.0),
         standard_deviations=np.zeros((1, basis.L)),
         kind="generalised",
     )
@@ -122,18 +203,22 @@ def wrong_for(none: Run) -> Feedforward:
 
 @pytest.fixture(scope="module")
 def none(robot: Robot, controller: Controller) -> Run:
-    return MujocoSimulator(robot, 0.1).run(controller, SQUAT)
+    return MujocoSimulator(robot, 0.1).run(controller, SQUAT, axes=("com.z",))
 
 
+@pytest.mark.parametrize("axes", [("com.z",), ("com.z", "com.x", "com.y")])
 def test_a_run_goes_on_without_what_was_dropped(
-    robot: Robot, controller: Controller, none: Run
+    robot: Robot, controller: Controller, none: Run, axes: tuple[str, ...]
 ) -> None:
     simulator, gate = MujocoSimulator(robot, 0.1), FeedforwardGate()
-    run = simulator.run(controller, SQUAT, feedforward=wrong_for(none), compensators=[gate])
+    run = simulator.run(
+        controller, SQUAT, axes=axes, feedforward=wrong_for(none), compensators=[gate]
+    )
     assert gate.dropped_at is not None
     assert HOLD < gate.dropped_at < HOLD + 1 / SQUAT.frequency
-    assert run.rms_error == pytest.approx(none.rms_error, rel=0.02)
+    assert run.errors["com.z"].rms == pytest.approx(none.errors["com.z"].rms, rel=0.02)
     assert run.feedforward.kind == "none"
+    assert run.vetoes == [gate.veto]
     # the same gate in another run starts anew
     simulator.run(controller, SQUAT, laps=2, compensators=[gate])
     assert gate.dropped_at is None
@@ -143,41 +228,33 @@ def test_simulate_says_what_it_dropped(
     none: Run, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(simulate, "_ask", lambda *_: wrong_for(none))
-    arguments = "squat --controller local --frequency 1 --model-error 0.1 --laps 2 --json -"
-    for choice, words in (("generalised", "dropped at 1.5"), ("learned", "")):
-        command_line.app(
-            ["simulate", *arguments.split(), "--feedforward", choice], standalone_mode=False
-        )
+    words = "simulate squat --controller local --amplitude 0.03 --frequency 1 --axes com.z"
+    words += " --model-error 0.1 --laps 2 --json -"
+    for choice, said in (("generalised", "dropped at 1.5"), ("learned", "")):
+        arguments = [*words.split(), "--feedforward", choice]
+        command_line.app_for(arguments)(arguments, standalone_mode=False)
         captured = capsys.readouterr()
-        assert words in captured.err
-        assert ("dropped" in captured.err) is bool(words)
-        assert json.loads(captured.out)["feedforward"] == ("none" if words else "generalised")
+        assert said in captured.err
+        assert ("dropped" in captured.err) is bool(said)
+        assert json.loads(captured.out)["feedforward"] == ("none" if said else "generalised")
 
 
 def test_it_judges_the_borrowed_term_alone_and_drops_nothing_else() -> None:
     """Others that are asked after it add to the feedforward."""
-    gate = FeedforwardGate()
-    gate.start(SimpleNamespace(axis=0, component=0, task="com", dt=DT))  # type: ignore[arg-type]
+    gate = gate_of()
     added, applied = 2.0, []
     e = rate = 0.0
     for tick in range(3000):
         phase = math.pi + 2 * math.pi * FREQUENCY * tick * DT
-        moment: Any = Moment(
-            tick * DT,
-            phase,
-            tick // 1000,
-            None,  # type: ignore[arg-type]
-            Reference(0.0, 0.0, 0.0),
-            1.0,  # borrowed, of the wrong sign: it doubles the error
-            {"com.P": [P], "com.D": [D]},  # type: ignore[arg-type]
-        )
+        # borrowed, of the wrong sign: it doubles the error
+        moment = moment_of(tick * DT, phase, tick // 1000, [1.0])
         gate.before(moment)
         moment.feedforward += added
-        applied.append(moment.feedforward)
-        moment.tick = SimpleNamespace(error=[e])
+        applied.append(float(moment.feedforward[0]))
+        answer(moment, [e])
         gate.after(moment)
         # a disturbance of -1, and one that the others make up for
-        rate += DT * (-1.0 + added - moment.feedforward - D * rate - P * e)
+        rate += DT * (-1.0 + added - applied[-1] - D * rate - P * e)
         e += DT * rate
     assert gate.dropped_at is not None
     assert applied[0] == 1.0 + added

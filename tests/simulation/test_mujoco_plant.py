@@ -13,8 +13,10 @@ from tsd_casadi.state import Vector
 from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.effects import EFFECTS, SENSOR_EFFECTS
-from tsd_clients.simulator.mujoco_plant import TIMESTEP, MujocoPlant
+from tsd_clients.simulator.mujoco_plant import MujocoPlant
 from tsd_clients.simulator.state_map import StateMap
+
+TIMESTEP = 1e-3  # s
 
 
 class Watch(Disturbance):
@@ -39,7 +41,7 @@ def plant_of(
     start: State | None = None,
 ) -> MujocoPlant:
     simulator = MujocoSimulator(robot, hardware=effects)
-    start = start or simulator.start(robot.home, 3)
+    start = start or simulator.near(robot.home, 3)
     return MujocoPlant(
         robot, simulator.model, start, robot.home, simulator.hardware, disturbances, seed
     )
@@ -60,7 +62,7 @@ def measured_over(plant: MujocoPlant, torque: Vector, ticks: int) -> list[tuple[
 
 
 def test_starts_where_it_was_put(robot: Robot) -> None:
-    start = MujocoSimulator(robot).start(robot.home, 3)
+    start = MujocoSimulator(robot).near(robot.home, 3)
     true, measured = plant_of(robot).measure()
     assert measured is true
     np.testing.assert_allclose(true.q, start.q, atol=1e-15)
@@ -71,7 +73,7 @@ def test_a_step_is_one_of_mujocos(robot: Robot, torque: Vector) -> None:
     # measuring and applying in two halves is the same as MuJoCo's own step
     simulator = MujocoSimulator(robot)
     data = mujoco.MjData(simulator.model)
-    simulator.state_map.write(data, simulator.start(robot.home, 3))
+    simulator.state_map.write(data, simulator.near(robot.home, 3))
     data.ctrl[simulator.state_map.actuators] = torque
     for true, _ in measured_over(plant_of(robot), torque, 200):
         expected = simulator.state_map.read(data)
