@@ -9,10 +9,12 @@ from time import monotonic
 from typing import Any
 
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.motions.catalogue import find_motion
 from tsd_casadi.motions.ranges import check_motion
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.console.progress import console, show_progress
 from tsd_clients.simulator.effects import check_effects
+from tsd_experiments.beyond.any_motion.experiment import AnyMotion
 from tsd_experiments.beyond.bootstrapping import Bootstrapping
 from tsd_experiments.beyond.borrowed_feedforward.experiment import BorrowedFeedforward
 from tsd_experiments.beyond.learning_at_low_gain import LearningAtLowGain
@@ -52,6 +54,7 @@ EXPERIMENTS: tuple[type[Experiment], ...] = (
     TwoParameters,
     BorrowedFeedforward,
     TrueCenterOfMass,
+    AnyMotion,
 )
 
 
@@ -121,16 +124,21 @@ def check_cases(experiments: Sequence[Experiment], robot: Robot) -> None:
     """Refuse a robot that cannot do what the experiments ask for, before anything runs.
 
     Raises:
-        InvalidValue: If a squat is out of the robot's range.
+        InvalidValue: If a motion is out of the robot's range, or an axis missing.
         RobotFileError: If the robot file has no section 'hardware'.
     """
     arguments = [job.arguments for experiment in experiments for job in experiment.jobs({})]
     for case in (Case.of(each["case"]) for each in arguments if "case" in each):
         check_motion(robot, case.motion)
         check_effects(robot, case.hardware)
+    for each in (each for each in arguments if "motion" in each):
+        motion = find_motion(each["motion"])(**each["parameters"])
+        motion.axes(robot)  # may not be there
+        check_motion(robot, motion)
+        check_effects(robot, each.get("hardware", ()))
     for scenario in (SCENARIOS[each["scenario"]] for each in arguments if "scenario" in each):
-        for motion in scenario.transfers.values():
-            check_motion(robot, motion)
+        for squat in scenario.transfers.values():
+            check_motion(robot, squat)
         check_effects(robot, scenario.hardware)
 
 

@@ -77,11 +77,14 @@ def fit_laps(laps: Sequence[Lap], basis: PeriodicBasis) -> FittedLaps:
 
 
 def _agree(one: Lap, other: Lap) -> bool:
-    for measure in (np.mean, np.std):
+    whole = one.feedback if one.feedforward is None else one.feedback + one.feedforward
+    # the mean of a motion to and fro is next to nothing, and only noise
+    for measure, scale in (
+        (np.mean, np.sqrt(np.mean(whole**2, axis=1))),
+        (np.std, np.std(whole, axis=1)),
+    ):
         a = measure(one.feedback, axis=1)
         b = measure(other.feedback, axis=1)
-        whole = one.feedback if one.feedforward is None else one.feedback + one.feedforward
-        scale = np.abs(measure(whole, axis=1))
         tolerance = np.maximum(RELATIVE_TOLERANCE * scale, ABSOLUTE_TOLERANCE)
         if not bool(np.all(np.abs(a - b) < tolerance)):
             return False

@@ -53,7 +53,7 @@ def learn_case(
     setting = Case.of(case)
     outcome = Outcome()
     filters: list[Contraction] = []
-    with _own_database() if learner is None else nullcontext(learner) as used:
+    with own_database() if learner is None else nullcontext(learner) as used:
 
         def keep(run: Run, notes: list[str]) -> None:
             label = f"iteration {len(outcome.rows)}"
@@ -96,6 +96,7 @@ def learn_case(
 
 
 @contextmanager
-def _own_database() -> Iterator[Database]:
+def own_database() -> Iterator[Database]:
+    """Open a database that is thrown away."""
     with tempfile.TemporaryDirectory() as folder, Database(Path(folder) / "case") as database:
         yield database

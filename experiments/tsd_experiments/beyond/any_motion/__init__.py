@@ -1,0 +1,1 @@
+"""The same learning on other motions and several axes at once."""
