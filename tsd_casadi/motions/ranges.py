@@ -111,7 +111,7 @@ def _round_down(value: float) -> float:
     if value <= 0:
         return 0.0
     digits = 1 - math.floor(math.log10(value))
-    return round(math.floor(value * 10**digits + 1e-9) / 10**digits, digits)
+    return round(math.floor(value * 10.0**digits + 1e-9) / 10.0**digits, digits)
 
 
 def _reaches(robot: Robot, kind: type[Motion], given: Mapping[str, float]) -> bool:

@@ -7,6 +7,8 @@ import json
 import numpy as np
 import typer
 
+from tsd_casadi.learning.axis_error import unit_of_axis
+from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.repetition.record import context_of
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.wire.feedforward import FeedforwardMessage
@@ -17,7 +19,12 @@ from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.robot import RobotOptions
 from tsd_cli.options.services import ConnectOptions
 from tsd_cli.output import check_outputs, put_out
-from tsd_clients.console.learner_tables import describe_parameters, describe_values, print_entries
+from tsd_clients.console.learner_tables import (
+    describe_context,
+    describe_parameters,
+    describe_values,
+    print_entries,
+)
 from tsd_clients.console.table import console
 
 
@@ -75,22 +82,29 @@ def forget(entry: int, services: ConnectOptions) -> None:
     """
     with open_learner(services) as learner:
         forgotten = learner.forget(entry).forgotten
-    if forgotten is not None:
+    if forgotten is None:
+        typer.echo(f"forgot entry {entry}, which could not be read")
+    else:
         typer.echo(
-            f"forgot entry {forgotten.entry}: {forgotten.task} of {forgotten.robot}, "
+            f"forgot entry {forgotten.entry}: {forgotten.motion} of {forgotten.robot}, "
             f"{describe_parameters(forgotten)}"
         )
 
 
 def _print_feedforward(message: FeedforwardMessage) -> None:
     feedforward = message.feedforward()
-    parameters = describe_values(message.task, feedforward.parameters)
+    declaration = feedforward.declaration or Declaration.unknown(message.motion)
+    parameters = describe_values(declaration, feedforward.parameters)
     axes = ", ".join(feedforward.axes)
     console.print(f"{feedforward.kind} feedforward along {axes} for {parameters}")
     source = "entries {entries}, iteration {iteration}".format(**feedforward.provenance)
     console.print(f"from {source}; the whole answer: --json -")
+    others = f"; {message.others} entries of others" if message.others else ""
+    console.print(f"context {describe_context(message.context)}{others}", highlight=False)
     phase = np.linspace(0, 2 * np.pi, 8, endpoint=False)
     mean, std = feedforward.mean(phase), feedforward.std(phase)
     for axis, name in enumerate(feedforward.axes):
         for p, m, s in zip(phase, mean[axis], std[axis], strict=True):
-            console.print(f"  {name}  phase {p:5.3f} rad  {m:9.5f} ± {s:.5f} m/s²")
+            console.print(
+                f"  {name}  phase {p:5.3f} rad  {m:9.5f} ± {s:.5f} {unit_of_axis(name)}/s²"
+            )

@@ -2,74 +2,142 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rich.markup import escape
 
-from tsd_casadi.motions.parameter import unit_of
 from tsd_clients.console.run_tables import number_text
-from tsd_clients.console.table import Column, print_table
+from tsd_clients.console.table import Column, console, print_table
 
 if TYPE_CHECKING:
     from tsd_casadi.learning.contraction import Contraction
+    from tsd_casadi.motions.declaration import Declaration
+    from tsd_casadi.wire.axis import AxisErrorMessage
+    from tsd_casadi.wire.context import ContextMessage
     from tsd_casadi.wire.learner import DatabaseReply, EntryMessage
 
 
 def print_entries(reply: DatabaseReply) -> None:
-    """Print the database's entries, one per row."""
-    entries = reply.entries
-    served = [dict(entry.iterations).get(entry.served) for entry in entries]
-    errors = [number_text(each["rms_error_m"], 1e3, 4) if each else "untested" for each in served]
+    """Print the database's entries, one axis of an entry per row.
+
+    Those of one context can be compared and generalised together.
+    """
+    rows = [
+        (entry if index == 0 else None, entry, axis)
+        for entry in reply.entries
+        for index, axis in enumerate(entry.axes)
+    ]
+
+    def of_entry(show: Callable[[EntryMessage], str]) -> list[str]:
+        return ["" if entry is None else show(entry) for entry, _, _ in rows]
+
+    errors = [_served(entry, axis.name) for _, entry, axis in rows]
+    units = ", ".join(dict.fromkeys(f"m{axis.unit}" for _, _, axis in rows)) or "mm"
+    untested = ["untested" if each is None else number_text(each.rms, 1e3, 4) for each in errors]
     # a client of somebody's own need not measure it
     without_mean = [
-        number_text(each.get("ac_rms_error_m"), 1e3, 4) if each else "" for each in served
+        "" if each is None or each.ac_rms is None else number_text(each.ac_rms, 1e3, 4)
+        for each in errors
     ]
+    values = [{} if entry is None else entry.parameters for entry, _, _ in rows]
     columns = [
-        Column("entry", [str(entry.entry) for entry in entries]),
-        Column("robot", [escape(entry.robot) for entry in entries], rank=2, is_text=True),
-        Column("motion", [escape(entry.task) for entry in entries], rank=1, is_text=True),
-        *_parameter_columns([(entry.task, _values(entry)) for entry in entries]),
-        Column("served", [f"{entry.served}/{len(entry.iterations) - 1}" for entry in entries]),
-        Column("its RMS\nmm", errors),
-        Column("its AC RMS\nmm", without_mean, rank=3),
-        Column("updated", [entry.updated[:10] for entry in entries], rank=4, is_text=True),
+        Column("entry", of_entry(lambda entry: str(entry.entry))),
+        Column("robot", of_entry(lambda entry: escape(entry.robot)), rank=3, is_text=True),
+        Column("motion", of_entry(lambda entry: escape(entry.motion)), rank=2, is_text=True),
+        *_parameter_columns(
+            [{name: (each.value, each.unit) for name, each in row.items()} for row in values]
+        ),
+        Column("axis", [escape(axis.name) for _, _, axis in rows], is_text=True),
+        Column("served", of_entry(lambda entry: f"{entry.served}/{len(entry.iterations) - 1}")),
+        Column(f"its RMS\n{units}", untested),
+        Column(f"its AC RMS\n{units}", without_mean, rank=4),
+        Column("context", of_entry(lambda entry: describe_context(entry.context)), 1, True),
+        Column("updated", of_entry(lambda entry: entry.updated[:10]), rank=5, is_text=True),
     ]
     print_table(f"database {reply.database}", columns)
+    contexts = {tuple(entry.context.model_dump().values()) for entry in reply.entries}
+    if len(contexts) > 1:
+        console.print(
+            f"{len(reply.entries)} entries of {len(contexts)} contexts: those of one context "
+            "answer together, see docs/learning.md",
+            highlight=False,
+        )
+    for each in reply.damaged:
+        console.print(f"entry {each.entry} cannot be read: {escape(each.reason)}", style="red")
 
 
-def print_places(motion: str, places: Sequence[Mapping[str, Any]]) -> None:
-    """Print where learning went by itself, one place per row.
+def describe_context(context: ContextMessage) -> str:
+    """Shorten a context to what tells it from others: 'a1b2c3 d4e5f6', 'unknown'."""
+    parts = (context.body, context.formulation, context.correction)
+    return " ".join(escape(part[:6]) for part in parts if part) or "unknown"
+
+
+def _served(entry: EntryMessage, axis: str) -> AxisErrorMessage | None:
+    errors = next((each.errors for each in entry.iterations if each.number == entry.served), None)
+    return None if errors is None else errors.get(axis)
+
+
+def print_places(declaration: Declaration, places: Sequence[Mapping[str, Any]]) -> None:
+    """Print where learning went by itself, one axis of a place per row.
 
     Args:
+        declaration: What is said of the motion.
         places: With 'parameters', 'standard_deviation' that was predicted
-            before, and 'rms_errors_m' of the runs there.
+            before, and 'errors' by axis of the runs there.
     """
-    errors = [place["rms_errors_m"] or [None] for place in places]
-    deviations = [number_text(place["standard_deviation"], 1.0, 4) for place in places]
-    columns = [
-        Column("place", [str(number) for number in range(1, len(places) + 1)]),
-        *_parameter_columns([(motion, place["parameters"]) for place in places]),
-        Column("predicted std\nm/s²", deviations, rank=2),
-        Column("first RMS\nmm", [number_text(each[0], 1e3, 4) for each in errors], rank=1),
-        Column("last RMS\nmm", [number_text(each[-1], 1e3, 4) for each in errors]),
+    rows = [
+        (number if index == 0 else None, place, axis)
+        for number, place in enumerate(places, start=1)
+        for index, axis in enumerate(next(iter(place["errors"]), {"": None}))
     ]
-    print_table(f"learned {motion}, each time where it was most uncertain", columns)
+
+    def errors(index: int) -> list[str]:
+        return [
+            number_text(place["errors"][index][axis]["rms"] if place["errors"] else None, 1e3, 4)
+            for _, place, axis in rows
+        ]
+
+    deviations = [
+        "" if number is None else number_text(place["standard_deviation"], 1.0, 4)
+        for number, place, _ in rows
+    ]
+    units = (each[axis]["unit"] for _, place, axis in rows for each in place["errors"][:1])
+    unit = ", ".join(dict.fromkeys(f"m{each}" for each in units)) or "mm"
+    columns = [
+        Column("place", ["" if number is None else str(number) for number, _, _ in rows]),
+        *_parameter_columns(
+            [
+                {
+                    name: (value, declaration.unit_of(name))
+                    for name, value in place["parameters"].items()
+                    if number is not None
+                }
+                for number, place, _ in rows
+            ]
+        ),
+        Column("axis", [axis or "-" for _, _, axis in rows], is_text=True),
+        Column("predicted std\nm/s²", deviations, rank=2),
+        Column(f"first RMS\n{unit}", errors(0), rank=1),
+        Column(f"last RMS\n{unit}", errors(-1)),
+    ]
+    print_table(f"learned {declaration.motion}, each time where it was most uncertain", columns)
 
 
 def print_contractions(
-    motion: str, parameters: Mapping[str, float], contractions: Sequence[Contraction]
+    declaration: Declaration, parameters: Mapping[str, float], contractions: Sequence[Contraction]
 ) -> None:
     """Print what an iteration leaves of an error, one harmonic per row.
 
     Args:
+        declaration: What is said of the motion.
         parameters: Its parameters, SI units.
         contractions: By learned axis.
     """
     for item in contractions:
         title = (
-            f"what an iteration leaves of the error along {item.axis}, {motion} "
-            f"{describe_values(motion, parameters)}\n"
+            f"what an iteration leaves of the error along {item.axis}, {declaration.motion} "
+            f"{describe_values(declaration, parameters)}\n"
             f"loop gain {item.gain:.2f} ± {item.gain_deviation:.2f}, "
             f"delay {1e3 * item.delay:.1f} ± {1e3 * item.delay_deviation:.1f} ms; "
             f"lead {1e3 * item.lead:.1f} ms, bandwidth {item.bandwidth:.3g} Hz"
@@ -92,36 +160,39 @@ def print_contractions(
 
 def describe_parameters(entry: EntryMessage) -> str:
     """Name the parameters of an entry with units."""
-    return describe_values(entry.task, _values(entry))
+    return _described({name: (each.value, each.unit) for name, each in entry.parameters.items()})
 
 
-def describe_values(motion: str, parameters: Mapping[str, float]) -> str:
+def describe_values(declaration: Declaration, parameters: Mapping[str, float]) -> str:
     """Name parameters with units: 'amplitude 0.03 m, frequency 0.25 Hz, height 0 m'.
 
     Args:
+        declaration: What is said of the motion.
         parameters: Values by name, SI units.
     """
-    return ", ".join(
-        f"{name} {value:g} {unit_of(motion, name)}".rstrip() for name, value in parameters.items()
+    return _described(
+        {name: (value, declaration.unit_of(name)) for name, value in parameters.items()}
     )
 
 
-def _values(entry: EntryMessage) -> dict[str, float]:
-    return {name: quantity.value for name, quantity in entry.parameters.items()}
+def _described(values: Mapping[str, tuple[float, str]]) -> str:
+    return ", ".join(
+        f"{name} {value:g} {_unit(unit)}".rstrip() for name, (value, unit) in values.items()
+    )
 
 
-def _parameter_columns(rows: Sequence[tuple[str, Mapping[str, float]]]) -> list[Column]:
+def _parameter_columns(rows: Sequence[Mapping[str, tuple[float, str]]]) -> list[Column]:
     """One column for each parameter that some row has, its unit in the heading."""
-    headings: dict[tuple[str, str], None] = {}
-    for motion, values in rows:
-        headings |= {(name, unit_of(motion, name)): None for name in values}
+    headings = {(name, unit): None for row in rows for name, (_, unit) in row.items()}
     return [
         Column(
-            f"{name}\n{unit}".rstrip(),
-            [
-                f"{values[name]:g}" if name in values and unit_of(motion, name) == unit else ""
-                for motion, values in rows
-            ],
+            f"{name}\n{_unit(unit)}".rstrip(),
+            [f"{row[name][0]:g}" if name in row and row[name][1] == unit else "" for row in rows],
         )
         for name, unit in headings
     ]
+
+
+def _unit(unit: str) -> str:
+    """Write a unit for people: nothing of a plain number."""
+    return "" if unit == "1" else unit

@@ -51,7 +51,7 @@ def _writer(path: str | Path) -> Callable[[Run, BinaryIO], None]:
 
 
 def _write_npz(run: Run, file: BinaryIO) -> None:
-    np.savez_compressed(file, **run.log, axes=np.array(run.axes))
+    np.savez_compressed(file, **run.log, axes=np.array(run.axes))  # type: ignore[arg-type]
 
 
 def _write_csv(run: Run, file: BinaryIO) -> None:
