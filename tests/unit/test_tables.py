@@ -6,25 +6,41 @@ from typing import Any
 
 import pytest
 
+from tsd_casadi import Squat
+from tsd_casadi.learning.axis_error import AxisError
 from tsd_casadi.learning.contraction import Contraction
-from tsd_casadi.wire.feedforward import QuantityMessage
-from tsd_casadi.wire.learner import DatabaseReply, EntryMessage
+from tsd_casadi.wire.axis import axis_messages, error_messages
+from tsd_casadi.wire.context import ContextMessage
+from tsd_casadi.wire.declaration import QuantityMessage, quantities
+from tsd_casadi.wire.learner import (
+    DamagedMessage,
+    DatabaseReply,
+    EntryMessage,
+    IterationMessage,
+)
 from tsd_clients.console.learner_tables import (
     describe_parameters,
     print_contractions,
     print_entries,
     print_places,
 )
+from tsd_clients.console.motion_tables import print_motion, print_motions
 from tsd_clients.console.run_tables import print_accuracy, print_goals, print_runs
 from tsd_clients.console.table import Column, console, print_table
 
 SUMMARY: dict[str, Any] = {
     "label": "baseline",
-    "rms_error_m": 1.23456e-3,
-    "peak_error_m": 2.5e-3,
-    "ac_rms_error_m": 3e-4,
-    "true_rms_error_m": 4e-3,
-    "mean_abs_feedback": 0.75037,
+    "errors": {
+        "com.z": {
+            "unit": "m",
+            "rms": 1.23456e-3,
+            "peak": 2.5e-3,
+            "ac_rms": 3e-4,
+            "true_rms": 4e-3,
+            "mean_abs_feedback": 0.75037,
+        }
+    },
+    "rank": 0.06,
     "laps_measured": 2,
     "laps_run": 5,
     "tick_us": {"p50": 55.4, "p99": 124.0},
@@ -32,24 +48,33 @@ SUMMARY: dict[str, Any] = {
     "steady": True,
     "failures": {},
 }
+TURNED = {
+    "unit": "rad",
+    "rms": 7.5e-3,
+    "peak": None,
+    "ac_rms": None,
+    "true_rms": None,
+    "mean_abs_feedback": None,
+}
+TWO_AXES = {**SUMMARY, "errors": {**SUMMARY["errors"], "torso.rz": TURNED}}
+SQUAT = Squat.declaration()
 
 
-def an_entry(served: int) -> EntryMessage:
-    errors = {"rms_error_m": 1.5e-3, "ac_rms_error_m": 2.5e-4}
+def an_entry(served: int, axes: tuple[str, ...] = ("com.z",)) -> EntryMessage:
+    errors = error_messages({axis: AxisError(1.5e-3, ac_rms=2.5e-4) for axis in axes})
     return EntryMessage(
         entry=42,
         robot="hermes_lower",
-        task="squat",
-        axes=("com.z",),
-        parameters={
-            "amplitude": QuantityMessage(value=0.03, unit="m"),
-            "frequency": QuantityMessage(value=0.25, unit="Hz"),
-        },
+        motion="squat",
+        version="1",
+        axes=axis_messages(axes),
+        parameters=quantities(SQUAT, {"amplitude": 0.03, "frequency": 0.25}),
+        context=ContextMessage(body="0123456789abcdef", formulation="fedcba9876543210"),
         served=served,
         learning_gain=1.0,
         rule="guarded",
         updated="2026-01-02T03:04:05+00:00",
-        iterations=[(0, errors), (1, None)],
+        iterations=[IterationMessage(number=0, errors=errors), IterationMessage(number=1)],
     )
 
 
@@ -80,6 +105,19 @@ def test_runs_are_shown_in_millimetres() -> None:
         assert part in text
     assert "fell" not in text
     assert "steady" not in text
+    assert "rank" not in text  # of one axis it says nothing more
+
+
+def test_each_axis_of_a_run_has_its_row_and_its_unit() -> None:
+    text = printed(lambda: print_runs("twist", [TWO_AXES, SUMMARY])).splitlines()
+    rows = [line.split() for line in text if "com.z" in line or "torso.rz" in line]
+    assert [row[0] for row in rows] == ["baseline", "torso.rz", "baseline"]
+    assert rows[1] == ["torso.rz", "7.5000", "-", "-", "-", "-"]
+    assert rows[0][-1] == "0.06000"
+    heading = " ".join(" ".join(text[:5]).split())
+    assert "rank" in heading
+    assert "mm, mrad" in heading
+    assert "m/s², rad/s²" in heading
 
 
 @pytest.mark.parametrize(
@@ -110,8 +148,11 @@ def test_goals_say_whether_they_were_met() -> None:
 def test_entries_are_listed_with_units() -> None:
     reply = DatabaseReply(database="/tmp/d.sqlite", entries=[an_entry(0), an_entry(1)])
     text = " ".join(printed(lambda: print_entries(reply)).split())
-    for part in ("/tmp/d.sqlite", "42 hermes_lower squat 0.03 0.25", "amplitude frequency", "m Hz"):
+    for part in ("/tmp/d.sqlite", "42 hermes_lower squat 0.03 0.25 com.z", "amplitude frequency"):
         assert part in text
+    assert " m Hz " in text
+    assert "012345 fedcba" in text
+    assert "contexts" not in text
     assert describe_parameters(an_entry(0)) == "amplitude 0.03 m, frequency 0.25 Hz"
 
 
@@ -123,7 +164,9 @@ def test_entries_are_listed_with_what_is_served_and_how_good_it_is() -> None:
 
 
 def test_an_entry_of_somebodys_own_client_may_have_fewer_measures() -> None:
-    entry = an_entry(0).model_copy(update={"iterations": [(0, {"rms_error_m": 1.5e-3}), (1, None)]})
+    errors = error_messages({"com.z": AxisError(1.5e-3)})
+    iterations = [IterationMessage(number=0, errors=errors), IterationMessage(number=1)]
+    entry = an_entry(0).model_copy(update={"iterations": iterations})
     reply = DatabaseReply(database="/tmp/d.sqlite", entries=[entry])
     assert "1.5000" in printed(lambda: print_entries(reply))
 
@@ -133,29 +176,47 @@ def test_places_are_shown_with_units_and_what_was_known_before() -> None:
         {
             "parameters": {"amplitude": 0.05, "frequency": 0.4, "height": -0.01},
             "standard_deviation": None,
-            "rms_errors_m": [],
+            "errors": [],
         },
         {
             "parameters": {"amplitude": 0.08, "frequency": 0.6, "height": 0.0},
             "standard_deviation": 0.0123,
-            "rms_errors_m": [0.015, 0.002, 0.0005],
+            "errors": [{"com.z": {"rms": rms, "unit": "m"}} for rms in (0.015, 0.002, 0.0005)],
         },
     ]
-    lines = printed(lambda: print_places("squat", places)).splitlines()
+    lines = printed(lambda: print_places(SQUAT, places)).splitlines()
     (first,) = [" ".join(line.split()) for line in lines if "-0.01" in line]
     (second,) = [" ".join(line.split()) for line in lines if "0.08" in line]
-    assert first == "1 0.05 0.4 -0.01 - - -"
-    assert second == "2 0.08 0.6 0 0.0123 15.0000 0.5000"
+    assert first == "1 0.05 0.4 -0.01 - - - -"
+    assert second == "2 0.08 0.6 0 com.z 0.0123 15.0000 0.5000"
 
 
 def test_a_parameter_that_a_motion_has_not_stays_empty() -> None:
     depth = QuantityMessage(value=0.5, unit="")
-    other = an_entry(0).model_copy(update={"task": "bow", "parameters": {"depth": depth}})
+    other = an_entry(0).model_copy(update={"motion": "bow", "parameters": {"depth": depth}})
     reply = DatabaseReply(database="d", entries=[an_entry(0), other])
     lines = printed(lambda: print_entries(reply)).splitlines()
     heading, *rows = [line for line in lines if "depth" in line or "hermes" in line]
     assert heading.split()[3:6] == ["m", "Hz", "depth"]
-    assert [row.split()[3:5] for row in rows] == [["0.03", "0.25"], ["0.5", "0/1"]]
+    assert [row.split()[3:5] for row in rows] == [["0.03", "0.25"], ["0.5", "com.z"]]
+
+
+def test_an_entry_has_a_row_for_each_axis() -> None:
+    reply = DatabaseReply(database="d", entries=[an_entry(0, ("com.z", "torso.rz"))])
+    lines = printed(lambda: print_entries(reply)).splitlines()
+    rows = [line.split() for line in lines if "com.z" in line or "torso.rz" in line]
+    assert rows[0][:2] == ["42", "hermes_lower"]
+    assert rows[1] == ["torso.rz", "1.5000", "0.2500"]
+
+
+def test_other_contexts_are_counted_and_what_is_unknown_or_damaged_is_said() -> None:
+    other = an_entry(0).model_copy(update={"context": ContextMessage()})
+    damaged = (DamagedMessage(entry=7, reason="its checksum is wrong"),)
+    reply = DatabaseReply(database="d", entries=[an_entry(0), other], damaged=damaged)
+    text = " ".join(printed(lambda: print_entries(reply)).split())
+    assert "unknown" in text
+    assert "2 entries of 2 contexts" in text
+    assert "entry 7 cannot be read: its checksum is wrong" in text
 
 
 def test_contraction_is_shown_by_harmonic() -> None:
@@ -172,7 +233,7 @@ def test_contraction_is_shown_by_harmonic() -> None:
         delay=0.012,
         delay_deviation=0.003,
     )
-    text = printed(lambda: print_contractions("squat", {"amplitude": 0.03}, [account]))
+    text = printed(lambda: print_contractions(SQUAT, {"amplitude": 0.03}, [account]))
     for part in ("com.z", "amplitude 0.03 m", "0.95 ± 0.04", "12.0 ± 3.0 ms", "bandwidth 0.5 Hz"):
         assert part in text
     rows = [line.split() for line in text.splitlines()]
@@ -210,7 +271,9 @@ def test_where_it_is_narrow_what_matters_least_goes_first_and_is_named(
     assert any("1.25" in line for line in lines)
 
 
-@pytest.mark.parametrize("show", ["runs", "entries", "goals", "accuracy", "places"])
+@pytest.mark.parametrize(
+    "show", ["runs", "axes", "motions", "motion", "entries", "goals", "accuracy", "places"]
+)
 def test_tables_fit_eighty_columns_without_breaking_a_cell(show: str) -> None:
     label = "squat 3 cm, learned, iteration 10, P x 0.2, hardware"
     parameters = {
@@ -223,7 +286,16 @@ def test_tables_fit_eighty_columns_without_breaking_a_cell(show: str) -> None:
     place = {
         "parameters": {name: quantity.value for name, quantity in parameters.items()},
         "standard_deviation": 0.0123,
-        "rms_errors_m": [0.015, 0.0005],
+        "errors": [{"com.z": {"rms": rms, "unit": "m"}} for rms in (0.015, 0.0005)],
+    }
+    squat = {
+        "name": "squat",
+        "version": "1",
+        "meaning": "A squat",
+        "robot": "hermes_lower",
+        "axes": ["com.z"],
+        "usual_axes": ["com.z", "com.x", "com.y"],
+        "parameters": [vars(item) for item in SQUAT.parameters],
     }
     accuracy = {
         "poses": 30,
@@ -236,13 +308,16 @@ def test_tables_fit_eighty_columns_without_breaking_a_cell(show: str) -> None:
     }
     tables: dict[str, tuple[Callable[[], None], str]] = {
         "runs": (lambda: print_runs("squat", [{**SUMMARY, "label": label}]), label),
+        "axes": (lambda: print_runs("squat", [{**TWO_AXES, "label": label}]), label),
+        "motions": (lambda: print_motions([squat]), "amplitude"),
+        "motion": (lambda: print_motion(squat), "amplitude"),
         "entries": (
             lambda: print_entries(DatabaseReply(database="/tmp/d.sqlite", entries=[entry])),
             "0.0365",
         ),
         "goals": (lambda: print_goals([{**goal, "measured": 1.23456}]), str(goal["id"])),
         "accuracy": (lambda: print_accuracy("com.json", accuracy), "its height at home"),
-        "places": (lambda: print_places("squat", [place]), "0.0365"),
+        "places": (lambda: print_places(SQUAT, [place]), "0.0365"),
     }
     show_it, whole = tables[show]
     with console_of(80):
