@@ -14,6 +14,8 @@ from typing import NamedTuple
 import pytest
 
 from tsd_casadi import __version__
+from tsd_casadi.database.database import Database
+from tsd_casadi.motions.catalogue import shipped_motions
 from tsd_cli import command_line
 from tsd_cli.actions import robots
 from tsd_clients.console.table import console
@@ -34,6 +36,12 @@ COMMANDS = [
             "database",
             "database list",
             "database forget",
+            "database export",
+            "database import",
+            "database verify",
+            "motion",
+            "motion list",
+            "motion show",
             "robot",
             "robot list",
         )
@@ -92,18 +100,20 @@ def test_help_fits_eighty_columns_and_teaches_by_example(
     done = tsd(*command, option)
     assert (done.code, done.err) == (0, "")
     assert all(len(line) <= 80 for line in done.out.splitlines())
-    if command not in (["database"], ["robot"]):  # groups: their commands have them
+    if command not in (["database"], ["motion"], ["robot"]):  # groups: their commands have them
         assert f"\n   tsd {' '.join(command)}" in done.out
 
 
 def test_what_every_option_was_called_it_is_still_called(tsd: Tsd) -> None:
-    text = tsd("learn", "-h").out + tsd("simulate", "-h").out + tsd("calibrate", "-h").out
+    commands = (("learn", "squat"), ("simulate", "squat"), ("calibrate",))
+    text = "".join(tsd(*command, "-h").out for command in commands)
     shared = "--robot --model-error --link-error --link-seed --hardware --controller --connect"
-    motion = "--amplitude --frequency --height --laps --p-scale --d-scale --com-correction --seed"
+    motion = "--amplitude --frequency --height --axes"
+    repetition = "--laps --period --p-scale --d-scale --com-correction --seed"
     single = "--feedforward --json --log"
     learning = "--iterations --restart --rule --patience --first --auto --region"
     calibration = "--out --poses --noise --inclinometer --mass-prior --center-prior"
-    for option in " ".join((shared, motion, single, learning, calibration)).split():
+    for option in " ".join((shared, motion, repetition, single, learning, calibration)).split():
         assert f" {option} " in text, option
 
 
@@ -139,6 +149,9 @@ def test_help_loads_nothing_heavy() -> None:
         "lear squat",
         "learn squat --rule best",
         "query squat",
+        "simulate sway --height 0.01",
+        "simulate --amplitude 0.03",
+        "simulate squat sway",
     ],
 )
 def test_wrong_usage_is_exit_code_2(tsd: Tsd, arguments: str) -> None:
@@ -152,6 +165,25 @@ def test_wrong_usage_is_exit_code_2(tsd: Tsd, arguments: str) -> None:
     [
         ("simulate squat --robot atlas", ["no robot 'atlas'", "hermes_lower"]),
         ("simulate jump", ["'jump'", "'squat'"]),
+        ("simulate my_motion.py:Bounce", ["my_motion.py", "cannot be read"]),
+        ("simulate wave.csv --scale 2", ["wave.csv", "cannot be read"]),
+        ("simulate file", ["'file'", "wave.csv"]),
+        ("simulate reach", ["the task of reach", "frame task", "hermes_lower", "robot file"]),
+        ("motion show reach", ["the task of reach", "frame task", "hermes_lower"]),
+        ("motion show sqaut", ["did you mean 'squat'?"]),
+        ("simulate twist --amplitude 2", ["amplitude is 2", "rad for hermes_lower"]),
+        ("simulate squat --axes com.w", ["--axes is 'com.w'", "com.x, com.y, com.z"]),
+        ("simulate squat --axes com.z,com.z", ["'com.z' twice"]),
+        ("simulate squat --axes torso.rZ", ["did you mean 'torso.rz'?"]),
+        ("simulate squat --axes ,", ["--axes is ''"]),
+        ("learn squat --axes hand.x", ["'hand.x'", "pelvis.rx"]),
+        ("query squat --amplitude 0.03 --axes z", ["--axes is 'z'"]),
+        ("simulate squat --period 0.01 --controller local", ["period is 0.01 s", "0.00025"]),
+        ("simulate squat --period 0 --controller local", ["period is 0 s"]),
+        ("learn twist --auto 1 --region height", ["with one of amplitude, frequency"]),
+        ("database verify --database no.sqlite", ["no.sqlite", "no file"]),
+        ("database export a.json --database no.sqlite", ["no.sqlite", "no file"]),
+        ("database import no.json --database a.sqlite", ["no.json"]),
         ("simulate sqaut", ["did you mean 'squat'?"]),
         ("simulate squat --amplitude 5", ["did you mean 0.05 or 0.005 m?"]),
         ("learn squat --amplitude 0.5", ["did you mean 0.05 or 0.005 m?"]),
@@ -218,12 +250,98 @@ def test_robots_are_listed(tsd: Tsd, tmp_path: Path) -> None:
     shown = tsd("robot", "list", "--json", str(target))
     assert (shown.code, shown.err) == (0, "")
     words = " ".join(shown.out.split())
-    assert "hermes_lower 17 left_foot, right_foot com, pelvis, torso squat" in words
+    assert "hermes_lower 17 left_foot, right_foot circle, lean, squat, sway, twist" in words
     (hermes,) = json.loads(target.read_text())["robots"]
     assert hermes["name"] == "hermes_lower"
     assert len(hermes["joints"]) == 17
     assert Path(hermes["file"]).is_file()
     assert json.loads(tsd("robot", "list", "--json", "-").out) == {"robots": [hermes]}
+
+
+OWN = """
+from dataclasses import dataclass
+import numpy as np
+from tsd_casadi.motions.motion import Motion, Offset
+from tsd_casadi.motions.parameter import parameter
+
+@dataclass(frozen=True)
+class Bounce(Motion):
+    hop_size: float = parameter("m", "half of peak to peak", low=0.0, extent=True)
+    frequency: float = parameter("Hz", default=0.5)
+    name = "bounce"
+
+    def axes(self, robot):
+        return ("com.z",)
+
+    def offset(self, phase):
+        sine, cosine = self.hop_size * np.sin([phase]), self.hop_size * np.cos([phase])
+        return Offset(sine, cosine, -sine)
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    (tmp_path / "my_motion.py").write_text(OWN)
+    monkeypatch.chdir(tmp_path)
+    return "my_motion.py:Bounce"
+
+
+def test_a_motions_parameters_are_options_of_whatever_takes_it(tsd: Tsd, own: str) -> None:
+    for command in ("simulate", "learn", "query"):
+        for arguments in ((command, own, "-h"), (command, "--hop-size", "0.1", own, "-h")):
+            text = tsd(*arguments).out
+            assert "--hop-size" in text
+            assert "Half of peak to peak" in text
+            assert "--height" not in text
+    assert "--amplitude" in tsd("simulate", "--robot", "hermes_lower", "twist", "-h").out
+    assert "RADIANS" in tsd("simulate", "twist", "-h").out
+
+
+def test_what_a_motion_of_ones_own_needs_is_asked_for(tsd: Tsd, own: str) -> None:
+    done = tsd("simulate", own, "--controller", "local")
+    assert (done.code, done.out) == (2, "")
+    assert "Missing option '--hop-size'" in done.err
+    assert tsd("simulate", own, "--hop", "0.1").code == 2
+
+
+def test_a_parameter_named_like_an_option_is_refused(tsd: Tsd, own: str) -> None:
+    Path("my_motion.py").write_text(OWN.replace("hop_size", "seed"))
+    done = tsd("simulate", own, "--seed", "3")
+    assert (done.code, done.out) == (1, "")
+    assert "parameter of bounce is 'seed', expected another name" in done.err
+
+
+def test_motions_are_listed_with_their_parameters(tsd: Tsd) -> None:
+    shown = tsd("motion", "list")
+    words = " ".join(shown.out.split())
+    assert (shown.code, shown.err) == (0, "")
+    assert "squat amplitude m 0.03" in words
+    assert "twist amplitude rad" in words
+    motions = json.loads(tsd("motion", "list", "--json", "-").out)["motions"]
+    assert [motion["name"] for motion in motions] == sorted(shipped_motions())
+
+
+def test_a_motion_is_shown_with_its_ranges_on_a_robot(tsd: Tsd, own: str) -> None:
+    words = " ".join(tsd("motion", "show", "squat").out.split())
+    assert "amplitude m 0.03" in words
+    assert "0.001 0.08" in words
+    assert "moves com.z; learns com.z, com.x, com.y" in words
+    shown = json.loads(tsd("motion", "show", own, "--json", "-").out)
+    assert (shown["name"], shown["axes"]) == ("bounce", ["com.z"])
+    hop, frequency = shown["parameters"]
+    assert (hop["low"], frequency["low"], frequency["high"]) == (0.0, 0.05, 1.0)
+    assert 0.05 < hop["high"] < 0.5
+
+
+def test_a_database_is_carried_from_file_to_file(tsd: Tsd, tmp_path: Path) -> None:
+    here, there, file = (str(tmp_path / name) for name in ("a.sqlite", "b.sqlite", "all.json"))
+    with Database(here):
+        pass
+    assert "0 entries, nothing wrong" in tsd("database", "verify", "--database", here).out
+    assert "wrote 0 entries" in tsd("database", "export", file, "--database", here).out
+    done = tsd("database", "import", file, "--database", there)
+    assert "0 entries added, 0 were there already" in done.out
+    assert done.code == 0
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,10 @@ def take_in(source: Path, path: Path | None) -> None:
     Raises:
         TsdError: If the file or the database cannot be used.
     """
+    if not source.is_file():  # before a database is made for nothing
+        raise InvalidValue(
+            "source", f"'{source}', which is no file", "one of 'tsd database export'"
+        )
     with Database(path or default_path()) as database:
         taken = database.import_(source)
         typer.echo(
