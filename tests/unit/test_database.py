@@ -9,7 +9,7 @@ import sys
 import threading
 from collections.abc import Callable
 from contextlib import closing, suppress
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,8 +20,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import tsd_casadi.database.database_file
+from tsd_casadi.database.checksum import checksum
 from tsd_casadi.database.database import Database, default_path
-from tsd_casadi.database.schema import APPLICATION_ID, SCHEMA, SCHEMA_VERSION
+from tsd_casadi.database.schema import APPLICATION_ID, SCHEMA, SCHEMA_VERSION, TABLES
+from tsd_casadi.database.transfer import Imported
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import (
@@ -33,15 +35,22 @@ from tsd_casadi.exceptions import (
     TsdError,
 )
 from tsd_casadi.generalization.weight_regression import WeightRegression
+from tsd_casadi.learning.axis_error import AxisError
+from tsd_casadi.learning.circumstances import Circumstances
+from tsd_casadi.learning.context import NOWHERE, Context
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.instruction import Instruction
-from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.recording import Recording
 from tsd_casadi.learning.rules.by_name import find_rule
-from tsd_casadi.motions.parameter import MOTION_PARAMETERS, RESERVED
+from tsd_casadi.motions.declaration import Declaration
+from tsd_casadi.motions.parameter import RESERVED, Parameter
+from tsd_casadi.motions.squat import Squat
 
 BASIS = PeriodicBasis()
-CONTEXT = Context("00ff", "abcd", {"P": [50.0], "D": [14.0]}, "0.1.0")
+CONTEXT = Context("00ff", "abcd")
+MADE = Circumstances({"P": [50.0], "D": [14.0]}, {"hardware": "ideal"}, "0.1.0")
+DECLARATION = Squat.declaration()
 PHASE = np.pi + np.linspace(0, 2 * np.pi, 100, endpoint=False)
 AMPLITUDES = (0.02, 0.04, 0.06, 0.08)
 SQUAT = {"amplitude": 0.03, "frequency": 0.25}
@@ -54,7 +63,10 @@ def recording(
     frequency: float = 0.25,
     *,
     robot: str = "hermes_lower",
+    motion: str = "squat",
+    version: str = "1",
     axes: tuple[str, ...] = ("com.z",),
+    context: Context = CONTEXT,
     error: float = 1e-3,
     **changes: Any,
 ) -> Recording:
@@ -62,14 +74,26 @@ def recording(
     feedback = 0.7 + 30 * amplitude**2 + amplitude * np.sin(PHASE)
     feedback = feedback + 0.2 * frequency**2 * np.cos(PHASE)
     made = Recording(
-        key=EntryKey.of(robot, "squat", axes, {"amplitude": amplitude, "frequency": frequency}),
+        key=EntryKey.of(
+            robot,
+            motion,
+            version,
+            axes,
+            {"amplitude": amplitude, "frequency": frequency},
+            context,
+        ),
         basis=BASIS,
         applied=np.zeros((len(axes), BASIS.L)),
         laps=[Lap(PHASE, np.tile(feedback, (len(axes), 1)))] * 2,
-        errors={"rms_error_m": error},
-        context=CONTEXT,
+        errors={axis: AxisError(error) for axis in axes},
+        circumstances=replace(MADE, gains={"P": [50.0] * len(axes), "D": [14.0] * len(axes)}),
+        declaration=replace(DECLARATION, motion=motion, version=version),
     )
     return replace(made, **changes)
+
+
+def squat_key(parameters: dict[str, float], motion: str = "squat") -> EntryKey:
+    return EntryKey.of("hermes_lower", motion, "1", ("com.z",), parameters, CONTEXT)
 
 
 def told(rule: str = "guarded", **changes: bool) -> Instruction:
@@ -77,13 +101,16 @@ def told(rule: str = "guarded", **changes: bool) -> Instruction:
 
 
 def assert_same(one: Entry, other: Entry) -> None:
-    assert (one.key, one.basis, one.context) == (other.key, other.basis, other.context)
+    assert (one.key, one.basis) == (other.key, other.basis)
+    assert (one.circumstances, one.declaration) == (other.circumstances, other.declaration)
     assert (one.learning_gain, one.rule) == (other.learning_gain, other.rule)
     assert (one.identifier, one.updated) == (other.identifier, other.updated)
+    assert one.sequence == other.sequence
     assert len(one.iterations) == len(other.iterations)
     for a, b in zip(one.iterations, other.iterations, strict=True):
         assert (a.number, a.errors) == (b.number, b.errors)
-        assert a.learned_from == b.learned_from
+        assert (a.learned_from, a.epoch) == (b.learned_from, b.epoch)
+        assert a.circumstances == b.circumstances
         np.testing.assert_array_equal(a.weights, b.weights)
         for name in FITTED:
             fitted, expected = getattr(a, name), getattr(b, name)
@@ -158,7 +185,6 @@ def test_everything_survives_reopening(path: Path) -> None:
     assert_same(entry, after[0])
 
 
-NUMBERS = st.floats(allow_nan=False, allow_infinity=False, width=64)
 NAMES = st.text(min_size=1, max_size=20).filter(lambda text: "\x00" not in text)
 PARAMETERS = NAMES.filter(lambda name: name not in RESERVED)
 
@@ -175,16 +201,23 @@ def test_any_entry_comes_back_bit_for_bit(
     made = Recording(
         key=EntryKey.of(
             data.draw(NAMES, "robot"),
-            data.draw(NAMES.filter(lambda name: name not in MOTION_PARAMETERS), "motion"),
+            data.draw(NAMES, "motion"),
+            data.draw(NAMES, "version"),
             axes,
             data.draw(st.dictionaries(PARAMETERS, st.floats(-1e5, 1e5), max_size=3), "parameters"),
+            Context(*(data.draw(NAMES) for _ in range(3))),
         ),
         basis=PeriodicBasis(size, data.draw(st.floats(0.1, 1e5), "width")),
         applied=applied,
         laps=[Lap(PHASE, np.ones((len(axes), 100)))] * 2,
-        errors={"rms_error_m": data.draw(st.floats(0, 1e3)), "other": data.draw(NUMBERS)},
-        context=Context(
-            data.draw(NAMES), data.draw(NAMES), {"P": [data.draw(NUMBERS)]}, data.draw(NAMES)
+        errors={
+            axis: AxisError(data.draw(st.floats(0, 1e3)), ac_rms=data.draw(st.floats(0, 1e3)))
+            for axis in axes
+        },
+        circumstances=Circumstances(
+            {"P": [data.draw(st.floats(-1e9, 1e9)) for _ in axes]},
+            {data.draw(NAMES): data.draw(NAMES)},
+            data.draw(NAMES),
         ),
     )
     path = tmp_path_factory.mktemp("any") / "d.sqlite"
@@ -231,17 +264,21 @@ def test_parameters_are_the_same_to_1e_6(database: Database) -> None:
     assert len(database.entries()) == 2
 
 
-def test_entries_are_told_apart_by_robot_task_axes_and_parameters(database: Database) -> None:
+def test_entries_are_told_apart_by_all_of_their_key(database: Database) -> None:
     first = recording()
     others = [
         recording(robot="mini"),
         recording(axes=("com.x",)),
         recording(0.04),
         recording(frequency=0.5),
-        replace(first, key=replace(first.key, motion="sway")),
+        recording(motion="sway"),
+        recording(version="2"),
+        recording(context=replace(CONTEXT, body="beef")),
+        recording(context=replace(CONTEXT, formulation="beef")),
+        recording(context=replace(CONTEXT, correction="beef")),
     ]
     identifiers = {database.record(made)[0].identifier for made in (first, *others)}
-    assert identifiers == {1, 2, 3, 4, 5, 6}
+    assert identifiers == set(range(1, 11))
     assert [entry.identifier for entry in database.entries("mini")] == [2]
     assert [entry.identifier for entry in database.entries(motion="sway")] == [6]
     assert database.entries("mini", "sway") == []
@@ -258,19 +295,18 @@ def test_restart_forgets_only_that_entry(database: Database) -> None:
     assert [e.identifier for e in database.entries()] == [other.identifier, again.identifier]
 
 
-def test_restart_accepts_another_basis_and_formulation(database: Database) -> None:
+def test_restart_accepts_another_basis(database: Database) -> None:
     database.record(recording())
     other = PeriodicBasis.of_size(10)
     made = recording(
         basis=other,
         applied=np.zeros((1, 10)),
-        context=replace(CONTEXT, formulation="beef"),
     )
     with pytest.raises(IncompatibleEntry):
         database.record(made)
     database.record(made, told(restart=True))
     (entry,) = database.entries()
-    assert (entry.basis, entry.context.formulation) == (other, "beef")
+    assert entry.basis == other
 
 
 def test_a_restart_that_fails_forgets_nothing(database: Database) -> None:
@@ -284,7 +320,7 @@ def test_a_restart_that_fails_forgets_nothing(database: Database) -> None:
 def test_a_refused_recording_leaves_the_entry_alone(database: Database) -> None:
     before, _ = database.record(recording())
     with pytest.raises(IncompatibleEntry):
-        database.record(recording(context=replace(CONTEXT, formulation="beef")), told("plain"))
+        database.record(recording(basis=PeriodicBasis(25, 60.0)), told("plain"))
     (after,) = database.entries()
     assert_same(before, after)
 
@@ -293,10 +329,11 @@ def test_forget_removes_entry_and_iterations(path: Path, database: Database) -> 
     database.record(recording())
     kept, _ = database.record(recording(0.05))
     gone = database.forget(1)
+    assert gone is not None
     assert gone.key.parameters[0] == ("amplitude", 0.03)
     assert [entry.identifier for entry in database.entries()] == [kept.identifier]
-    with closing(sqlite3.connect(path)) as plain:
-        assert plain.execute("SELECT DISTINCT entry FROM iteration").fetchall() == [(2,)]
+    with Database(path) as again:
+        assert [entry.identifier for entry in again.entries()] == [kept.identifier]
     with pytest.raises(EntryNotFound, match="no entry 1"):
         database.forget(1)
 
@@ -346,7 +383,7 @@ def test_without_an_exact_entry_the_answer_is_generalised(trained: Database) -> 
 
 def regression_over(entries: list[Entry], *names: str) -> WeightRegression:
     inputs = np.array([[dict(entry.key.parameters)[name] for name in names] for entry in entries])
-    return WeightRegression("squat", names, inputs, [e.served.weights for e in entries], BASIS)
+    return WeightRegression(DECLARATION, names, inputs, [e.served.weights for e in entries], BASIS)
 
 
 def test_generalised_is_the_regression_over_what_differs(trained: Database) -> None:
@@ -434,7 +471,7 @@ def test_too_few_entries_for_so_many_parameters_are_refused(database: Database) 
 def test_height_is_zero_where_nothing_is_said(database: Database) -> None:
     database.record(recording())
     squat = {"amplitude": 0.03, "frequency": 0.25, "height": 0.0}
-    key = EntryKey.of("hermes_lower", "squat", ("com.z",), squat)
+    key = squat_key(squat)
     (entry,) = database.entries()
     assert entry.key == key
     database.record(recording(key=key, applied=entry.served.weights, error=0.5e-3))
@@ -446,7 +483,7 @@ def test_height_is_zero_where_nothing_is_said(database: Database) -> None:
 
 def test_squats_below_home_are_other_entries_to_generalise_over(database: Database) -> None:
     for height in (-0.02, 0.0, 0.02):
-        key = EntryKey.of("hermes_lower", "squat", ("com.z",), {**SQUAT, "height": height})
+        key = squat_key({**SQUAT, "height": height})
         database.record(recording(key=key))
     assert len(database.entries()) == 3
     between = database.query("squat", **SQUAT, height=-0.01)
@@ -459,7 +496,7 @@ def test_squats_below_home_are_other_entries_to_generalise_over(database: Databa
 @pytest.mark.parametrize(
     ("changes", "named"),
     [
-        ({"amplitude": 0.0}, "amplitude is 0.0"),
+        ({"amplitude": -0.01}, "amplitude is -0.01"),
         ({"frequency": -0.25}, "frequency is -0.25"),
         ({"frequency": float("nan")}, "frequency is nan"),
         ({"height": float("inf")}, "height is inf"),
@@ -469,25 +506,26 @@ def test_squats_below_home_are_other_entries_to_generalise_over(database: Databa
 def test_parameters_that_make_no_sense_are_refused(
     database: Database, changes: dict[str, float], named: str
 ) -> None:
+    known, _ = database.record(recording(0.07))
     parameters = {**SQUAT, **changes}
     key = replace(recording().key, parameters=tuple(parameters.items()))
     with pytest.raises(InvalidValue, match=named):
         database.record(recording(key=key))
     with pytest.raises(InvalidValue, match=named):
         database.query("squat", **parameters)
-    assert database.entries() == []
+    assert [entry.identifier for entry in database.entries()] == [known.identifier]
 
 
-def test_a_recording_without_frequency_is_refused(database: Database) -> None:
-    key = replace(recording().key, parameters=(("amplitude", 0.03),))
-    with pytest.raises(InvalidValue, match="without frequency"):
+def test_a_recording_without_amplitude_is_refused(database: Database) -> None:
+    key = replace(recording().key, parameters=(("frequency", 0.25),))
+    with pytest.raises(InvalidValue, match="without amplitude"):
         database.record(recording(key=key))
 
 
-def test_motions_of_somebodys_own_have_parameters_as_they_come(database: Database) -> None:
+def test_motions_of_which_nothing_is_said_have_parameters_as_they_come(database: Database) -> None:
     for depth in (1.0, 2.0):
-        key = EntryKey.of("hermes_lower", "bow", ("com.z",), {"depth": depth})
-        database.record(recording(key=key))
+        key = squat_key({"depth": depth}, motion="bow")
+        database.record(recording(key=key, declaration=None))
     assert database.query("bow", depth=1.0).kind == "learned"
     assert database.query("bow", depth=1.5).kind == "generalised"
 
@@ -523,8 +561,14 @@ def test_unlike_entries_are_not_generalised_together(database: Database, what: s
         "formulation": {"context": replace(CONTEXT, formulation="beef")},
     }[what]
     database.record(recording(0.04, **different))  # type: ignore[arg-type]
-    with pytest.raises(EntryNotFound, match="different bases, axes or formulations"):
+    with pytest.raises(EntryNotFound, match=r"different bases|needs at least 2"):
         database.query("squat", amplitude=0.03, frequency=0.25)
+    database.record(recording(0.06, **different))  # type: ignore[arg-type]
+    database.record(recording(0.08, **different))  # type: ignore[arg-type]
+    if what == "basis":
+        return
+    found = database.query("squat", amplitude=0.05, frequency=0.25)
+    assert found.provenance["entries"] == [2, 3, 4]
 
 
 def test_the_robot_has_to_be_named_when_there_are_two(database: Database) -> None:
@@ -615,11 +659,16 @@ def _no_text_in_the_schema(path: Path) -> None:
 
 
 def _older_and_damaged(path: Path, parameters: str) -> None:
-    with Database(path) as database:
-        database.record(recording())
+    make_version_1(path)
     with closing(sqlite3.connect(path)) as other:
-        other.execute("UPDATE entry SET parameters = ?", (parameters,))
-        other.execute("PRAGMA user_version = 2")
+        other.execute("UPDATE entry SET parameters = ? WHERE id = 1", (parameters,))
+        other.commit()
+
+
+def _without_a_column(path: Path) -> None:
+    Database(path).close()
+    with closing(sqlite3.connect(path)) as other:
+        other.execute("ALTER TABLE event DROP COLUMN correction")
         other.commit()
 
 
@@ -633,6 +682,7 @@ NOT_OURS: dict[str, Callable[[Path], Any]] = {
     "newer schema": _newer_schema,
     "truncated": _truncated,
     "no text in the schema": _no_text_in_the_schema,
+    "a column is missing": _without_a_column,
     "older, with a number for parameters": partial(_older_and_damaged, parameters="5"),
     "older, with cut parameters": partial(_older_and_damaged, parameters='{"amplitude": '),
     "older, with endless parameters": partial(_older_and_damaged, parameters="[" * 5000),
@@ -653,7 +703,7 @@ def test_a_file_that_is_not_ours_is_refused_and_left_as_it_was(path: Path, kind:
 
 def test_a_newer_schema_is_named(path: Path) -> None:
     _newer_schema(path)
-    with pytest.raises(DatabaseError, match=r"schema version 4, this software knows 1 to 3"):
+    with pytest.raises(DatabaseError, match=r"schema version 5, this software knows 1 to 4"):
         Database(path)
 
 
@@ -750,7 +800,10 @@ def test_readers_are_served_while_another_process_writes(path: Path) -> None:
     with Database(path) as database, closing(sqlite3.connect(path)) as other:
         database.record(recording())
         other.execute("BEGIN IMMEDIATE")
-        other.execute("DELETE FROM entry")
+        other.execute(
+            "INSERT INTO entry SELECT 99, robot, motion, version, axes, parameters, "
+            "basis_kind, basis, checksum FROM entry"
+        )
         assert database.query("squat", amplitude=0.03, frequency=0.25).kind == "learned"
         other.rollback()
 
@@ -766,10 +819,10 @@ entry, _ = database.record(t.recording(error=1e-3))
 database.record(t.recording(0.05))
 file = database._file
 with file.transaction():
-    database._rows.delete(entry.identifier)
-    file.execute("UPDATE entry SET robot = 'nobody'")
+    database._rows.forget(entry.identifier, "")
     # as if the pages had been written out before the end of the transaction
     file.connection.execute("PRAGMA cache_spill = 1")
+    file.connection.execute("DROP TRIGGER iteration_UPDATE")
     file.execute("UPDATE iteration SET weights = weights || ?", (" " * 5_000_000,))
     os._exit(9)
 """
@@ -889,7 +942,7 @@ def test_an_entry_forgotten_while_it_is_read_is_not_half_read(
 def test_a_recording_that_is_not_finite_is_refused(database: Database, what: str) -> None:
     nan = float("nan")
     changes = {
-        "error": {"errors": {"rms_error_m": nan}},
+        "error": {"errors": {"com.z": AxisError(nan)}},
         "feedback": {"laps": [Lap(PHASE, np.full((1, 100), nan))]},
         "applied": {"applied": np.full((1, BASIS.L), nan)},
     }[what]
@@ -979,7 +1032,13 @@ def test_a_version_1_file_is_brought_up_to_date(path: Path) -> None:
         assert dict(own.key.parameters) == {"depth": 1.0}
         assert (first.learning_gain, first.rule.name) == (0.5, "guarded")
         assert first.updated == "2026-01-02T03:04:05+00:00"
-        assert [item.errors for item in second.iterations] == [{"rms_error_m": 0.01}, None]
+        assert [item.errors for item in second.iterations] == [{"com.z": AxisError(0.01)}, None]
+        assert [item.gains for item in second.iterations] == [{"P": [50.0]}, None]
+        assert {entry.key.context for entry in (first, second, own)} == {NOWHERE}
+        assert (first.key.version, own.key.version) == ("1", "1")
+        assert first.declaration is not None
+        assert first.declaration.unit_of("amplitude") == "m"
+        assert own.declaration is None
         assert [item.feedback for item in second.iterations] == [None, None]
         np.testing.assert_array_equal(second.iterations[1].weights, [[-0.7, 2.0]])
     with closing(sqlite3.connect(path)) as plain:
@@ -992,26 +1051,10 @@ def test_learning_goes_on_in_a_version_1_file(path: Path) -> None:
     with Database(path) as database:
         assert database.query("squat", amplitude=0.02, frequency=0.25).kind == "learned"
         assert database.query("squat", amplitude=0.04, frequency=0.25).kind == "generalised"
-        context = database.entries()[0].context
-        made = recording(
-            0.02, basis=PeriodicBasis(2, 5.0), applied=np.array([[-0.7, 1.0]]), context=context
-        )
+        made = recording(0.02, basis=PeriodicBasis(2, 5.0), applied=np.array([[-0.7, 1.0]]))
         entry, _ = database.record(made)
         assert entry.identifier == 1
         assert [item.number for item in entry.iterations] == [0, 1, 2]
-
-
-def test_a_version_1_file_that_cannot_be_brought_up_to_date_is_left_as_it_was(path: Path) -> None:
-    make_version_1(path)
-    with closing(sqlite3.connect(path)) as old:
-        # what the first entry is going to be is there already
-        parameters = '{"amplitude": 0.02, "frequency": 0.25, "height": 0.0}'
-        old.execute("UPDATE entry SET parameters = ? WHERE id = 2", (parameters,))
-        old.commit()
-    before = path.read_bytes()
-    with pytest.raises(DatabaseError, match="UNIQUE"):
-        Database(path)
-    assert path.read_bytes() == before
 
 
 def test_signals_of_a_test_are_kept(path: Path) -> None:
@@ -1038,7 +1081,7 @@ def test_signals_of_a_test_are_kept(path: Path) -> None:
 
 
 def test_an_entry_from_a_file_goes_on_like_one_in_memory(path: Path) -> None:
-    kept = Entry(recording().key, BASIS, CONTEXT)
+    kept = Entry(recording().key, BASIS, MADE)
     # the third is worse, the second again, and on from there
     for number, error in enumerate((1.0, 0.3, 0.4, 0.3, 0.1)):
         noise = np.random.default_rng(number).normal(0, 1e-4, PHASE.size)
@@ -1050,26 +1093,13 @@ def test_an_entry_from_a_file_goes_on_like_one_in_memory(path: Path) -> None:
         with Database(path) as database:  # opened anew each time
             stored, _ = database.record(made, told("stable"))
         kept.key, kept.identifier, kept.updated = stored.key, stored.identifier, stored.updated
+        kept.sequence = stored.sequence
         assert_same(kept, stored)
     with Database(path) as database:
         (found,) = database.entries()
     assert_same(kept, found)
     assert found.contractions == kept.contractions
     assert [item.learned_from for item in found.iterations] == [None, 0, 1, 1, 3]
-
-
-def test_a_version_2_file_is_brought_up_to_date(path: Path) -> None:
-    with Database(path) as database:
-        database.record(recording())
-    with closing(sqlite3.connect(path)) as old:
-        old.execute("ALTER TABLE iteration DROP COLUMN learned_from")
-        old.execute("PRAGMA user_version = 2")
-        old.commit()
-    with Database(path) as database:
-        (entry,) = database.entries()
-        assert [item.learned_from for item in entry.iterations] == [None, None]
-        entry, _ = database.record(recording(applied=entry.served.weights, error=1e-4))
-        assert [item.learned_from for item in entry.iterations] == [None, None, 1]
 
 
 # where to learn next
@@ -1086,7 +1116,7 @@ REGION = {"amplitude": (0.02, 0.08), "frequency": (0.2, 0.6)}
 def test_first_the_middle_then_the_corners(database: Database) -> None:
     visited = []
     for _ in range(5):
-        place = database.suggest("squat", robot="hermes_lower", region=REGION)
+        place = database.suggest("squat", robot="hermes_lower", region=REGION, height=0.0)
         assert place.parameters["height"] == 0.0
         visited.append((place.parameters["amplitude"], place.parameters["frequency"]))
         learn_at(database, [visited[-1]])
@@ -1095,7 +1125,7 @@ def test_first_the_middle_then_the_corners(database: Database) -> None:
 
 
 def test_the_deviation_is_unknown_until_a_regression_is_possible(database: Database) -> None:
-    assert database.suggest("squat", region=REGION).standard_deviation is None
+    assert database.suggest("squat", region=REGION, height=0.0).standard_deviation is None
     learn_at(database, [(0.02, 0.2), (0.08, 0.2)])
     # of the frequency they say nothing
     assert database.suggest("squat", region=REGION).standard_deviation is None
@@ -1170,7 +1200,7 @@ def test_places_are_known_again_however_many_digits_they_have(
     region, fixed = {"amplitude": (0.02, high)}, {"frequency": 1 / 3}
     visited = []
     for _ in range(6):
-        place = database.suggest("squat", region=region, **fixed)
+        place = database.suggest("squat", region=region, height=0.0, **fixed)
         visited.append(place.parameters["amplitude"])
         learn_at(database, [(visited[-1], place.parameters["frequency"])])
     assert len(set(visited)) == 6
@@ -1194,51 +1224,440 @@ def test_a_region_without_a_free_place_is_refused(
         ({"amplitude": (0.02, float("nan"))}, {"frequency": 0.25}, "region of amplitude"),
         ({"amplitude": (-0.02, 0.08)}, {"frequency": 0.25}, "amplitude is -0.02"),
         ({"amplitude": (0.02, 0.08)}, SQUAT, "region of amplitude"),
-        ({"amplitude": (0.02, 0.08)}, {}, "without frequency"),
+        ({"frequency": (0.2, 0.8)}, {}, "without amplitude"),
         ({"colour": (0.02, 0.08)}, SQUAT, "'colour'"),
     ],
 )
 def test_regions_that_make_no_sense_are_refused(
     database: Database, region: Any, fixed: dict[str, float], named: str
 ) -> None:
+    database.record(recording(0.07))
     with pytest.raises(InvalidValue, match=named):
         database.suggest("squat", region=region, **fixed)
 
 
-@pytest.mark.parametrize(
-    "damage",
-    [
-        "UPDATE entry SET context = '{}'",
-        "UPDATE entry SET axes = 'com.z'",
-        "UPDATE entry SET axes = '[]'",
-        "UPDATE entry SET axes = '[[1]]'",
-        "UPDATE entry SET parameters = '5'",
-        "UPDATE entry SET parameters = '[\"com.z\"]'",
-        """UPDATE entry SET parameters = '{"amplitude": 1e999}'""",
-        "UPDATE entry SET basis_size = 1e300",
-        "UPDATE entry SET basis_size = 24",
-        "UPDATE entry SET basis_width = 'wide'",
-        "UPDATE entry SET learning_gain = x'00ff'",
-        "UPDATE entry SET rule = 'unruly'",
-        """UPDATE entry SET context = '{"gains": 1}'""",
-        "UPDATE iteration SET weights = '[[1.0, '",
-        "UPDATE iteration SET weights = '[[1.0]]'",
-        "UPDATE iteration SET weights = replace(weights, '[[', '[[NaN, ')",
-        """UPDATE iteration SET weights = '{"amplitude": 1}'""",
-        "UPDATE iteration SET errors = '{}'",
-        "UPDATE iteration SET errors = 'NaN'",
-        """UPDATE iteration SET errors = '{"rms_error_m": null}'""",
-        f"UPDATE iteration SET errors = '{'[' * 5000}'",
-        "UPDATE iteration SET gains = '[1]'",
-        "UPDATE iteration SET feedback = '[[null]]'",
-        "UPDATE iteration SET number = 'first' WHERE number = 0",
-    ],
-)
-def test_a_damaged_entry_is_named(path: Path, damage: str) -> None:
+# damaged rows
+
+
+def change(path: Path, *statements: str, checksums: bool = False) -> None:
+    """Change rows behind our back, and on request their checksums too."""
+    with closing(sqlite3.connect(path)) as plain:
+        plain.row_factory = sqlite3.Row
+        for table in TABLES:
+            plain.execute(f"DROP TRIGGER {table}_UPDATE")
+        for statement in statements:
+            plain.execute(statement)
+        for table in TABLES if checksums else ():
+            for row in plain.execute(f"SELECT rowid AS place, * FROM {table}").fetchall():
+                names = [name for name in row.keys() if name not in ("place", "checksum")]  # noqa: SIM118
+                columns = {name: row[name] for name in names}
+                plain.execute(
+                    f"UPDATE {table} SET checksum = ? WHERE rowid = ?",
+                    (checksum(columns), row["place"]),
+                )
+        plain.commit()
+
+
+DAMAGES = [
+    "UPDATE entry SET axes = 'com.z' WHERE id = 1",
+    "UPDATE entry SET axes = '[]' WHERE id = 1",
+    "UPDATE entry SET axes = '[[1]]' WHERE id = 1",
+    "UPDATE entry SET parameters = '5' WHERE id = 1",
+    "UPDATE entry SET parameters = '[\"com.z\"]' WHERE id = 1",
+    """UPDATE entry SET parameters = '{"amplitude": 1e999}' WHERE id = 1""",
+    "UPDATE entry SET basis = '{}' WHERE id = 1",
+    """UPDATE entry SET basis = '{"L": 24, "width": 62.5}' WHERE id = 1""",
+    """UPDATE entry SET basis = '{"L": 25, "width": "wide"}' WHERE id = 1""",
+    "UPDATE entry SET basis_kind = 'polynomial' WHERE id = 1",
+    "UPDATE event SET circumstances = '{}' WHERE entry = 1",
+    """UPDATE event SET circumstances = '{"gains": 1}' WHERE entry = 1""",
+    "UPDATE event SET learning_gain = x'00ff' WHERE entry = 1",
+    "UPDATE event SET rule = 'unruly' WHERE entry = 1",
+    "UPDATE event SET kind = 'dreamt' WHERE entry = 1",
+    "UPDATE event SET declaration = '[1]' WHERE entry = 1",
+    "UPDATE iteration SET weights = '[[1.0, ' WHERE entry = 1",
+    "UPDATE iteration SET weights = '[[1.0]]' WHERE entry = 1",
+    "UPDATE iteration SET weights = replace(weights, '[[', '[[NaN, ') WHERE entry = 1",
+    """UPDATE iteration SET weights = '{"amplitude": 1}' WHERE entry = 1""",
+    "UPDATE iteration SET errors = '{}' WHERE entry = 1",
+    "UPDATE iteration SET errors = 'NaN' WHERE entry = 1",
+    """UPDATE iteration SET errors = '{"com.z": {"rms": null}}' WHERE entry = 1""",
+    """UPDATE iteration SET errors = '{"com.z": {"rms": -1.0}}' WHERE entry = 1""",
+    """UPDATE iteration SET errors = '{"com.x": {"rms": 1.0}}' WHERE entry = 1""",
+    f"UPDATE iteration SET errors = '{'[' * 5000}' WHERE entry = 1",
+    "UPDATE iteration SET circumstances = '[1]' WHERE entry = 1",
+    "UPDATE iteration SET feedback = '[[null]]' WHERE entry = 1",
+    "UPDATE iteration SET number = 'first' WHERE entry = 1 AND number = 0",
+]
+
+
+@pytest.mark.parametrize("checksums", [False, True], ids=["as it is", "with its checksum"])
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_entry_is_named_and_the_others_stay_readable(
+    path: Path, damage: str, checksums: bool
+) -> None:
+    with Database(path) as database:
+        for amplitude in (0.03, 0.04, 0.06):
+            database.record(recording(amplitude))
+    change(path, damage, checksums=checksums)
+    with Database(path) as database:
+        assert [entry.identifier for entry in database.entries()] == [2, 3]
+        assert [each.identifier for each in database.damaged()] == [1]
+        with pytest.raises(DatabaseError, match="damaged entry 1"):
+            database.query("squat", **SQUAT)
+        with pytest.raises(DatabaseError, match="damaged entry 1"):
+            database.record(recording())
+        assert database.query("squat", amplitude=0.04, frequency=0.25).kind == "learned"
+        assert database.query("squat", amplitude=0.05, frequency=0.25, kind="generalised")
+        assert any(finding.startswith("entry 1") for finding in database.verify())
+        assert database.forget(1) is None
+        assert database.damaged() == []
+        assert database.record(recording())[0].identifier == 4
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_any_changed_column_is_told(path: Path, table: str) -> None:
     with Database(path) as database:
         database.record(recording())
-    with closing(sqlite3.connect(path)) as plain:
-        plain.execute(damage)
-        plain.commit()
-    with Database(path) as database, pytest.raises(DatabaseError, match="damaged entry 1"):
-        database.entries()
+        assert database.verify() == []
+        names = [row[1] for row in database._file.execute(f"PRAGMA table_info({table})")]
+    whole = path.read_bytes()
+    for name in names:
+        path.write_bytes(whole)
+        is_number = name in ("id", "entry", "event", "number", "epoch", "learned_from")
+        is_number = is_number or name == "learning_gain"
+        value = f"coalesce({name}, 0) + 1" if is_number else f"coalesce({name}, '') || ' '"
+        change(path, "PRAGMA foreign_keys = OFF", f"UPDATE {table} SET {name} = {value}")
+        with Database(path) as database:
+            assert database.verify() != [], name
+
+
+def test_an_old_row_that_counts_no_more_is_verified_too(path: Path) -> None:
+    with Database(path) as database:
+        entry, _ = database.record(recording())
+        database.record(recording(applied=entry.served.weights, error=0.5e-3))
+    change(path, "UPDATE iteration SET weights = '[]' WHERE number = 1 AND event = 1")
+    with Database(path) as database:
+        (entry,) = database.entries()
+        assert entry.served.number == 2
+        (finding,) = database.verify()
+        assert "entry 1" in finding
+
+
+def test_damaged_text_is_told_by_its_entry(path: Path) -> None:
+    with Database(path) as database:
+        for amplitude in (0.03, 0.04):
+            database.record(recording(amplitude))
+    change(path, "UPDATE event SET time = CAST(x'ff' AS TEXT) WHERE entry = 1")
+    with Database(path) as database:
+        assert [entry.identifier for entry in database.entries()] == [2]
+
+
+def test_rows_are_only_ever_added(path: Path, database: Database) -> None:
+    def rows() -> set[tuple[Any, ...]]:
+        with closing(sqlite3.connect(path)) as plain:
+            return {(t, *row) for t in TABLES for row in plain.execute(f"SELECT * FROM {t}")}
+
+    before = rows()
+    entry, _ = database.record(recording())
+    for step in (
+        lambda: database.record(recording(applied=entry.served.weights, error=2e-3)),
+        lambda: database.record(recording(), told(restart=True)),
+        lambda: database.forget(2),
+    ):
+        before = rows()
+        step()
+        assert before < rows()
+    for statement in ("UPDATE event SET rule = 'plain'", "DELETE FROM iteration"):
+        with pytest.raises(DatabaseError, match="only ever added"):
+            database._file.execute(statement)
+
+
+# contexts, versions and axes
+
+OTHER = Context("beef", "abcd")
+
+
+def test_the_newest_recordings_context_answers_and_others_are_counted(database: Database) -> None:
+    database.record(recording(context=OTHER))
+    database.record(recording(0.05, context=OTHER))
+    newest, _ = database.record(recording())
+    found = database.query("squat", **SQUAT)
+    assert found.provenance["entries"] == [newest.identifier]
+    assert found.provenance["context"] == {"body": "00ff", "formulation": "abcd", "correction": ""}
+    assert found.provenance["others"] == 2
+    assert "note" not in found.provenance
+    found = database.query("squat", context=OTHER, **SQUAT)
+    assert (found.provenance["entries"], found.provenance["others"]) == ([1], 1)
+    with pytest.raises(EntryNotFound, match="2 of other contexts"):
+        database.query("squat", kind="learned", amplitude=0.05, frequency=0.25)
+    database.record(recording(0.05, context=OTHER))
+    assert database.query("squat", **SQUAT).provenance["entries"] == [1]
+
+
+def test_nothing_is_served_in_a_context_of_which_nothing_is_known(database: Database) -> None:
+    for amplitude in (0.02, 0.04):
+        database.record(recording(amplitude))
+    for kind in ("learned", "generalised", None):
+        with pytest.raises(EntryNotFound, match="2 of other contexts"):
+            database.query("squat", kind=kind, context=OTHER, amplitude=0.03)
+
+
+def test_gains_never_decide_what_is_served(database: Database) -> None:
+    database.record(recording())
+    soft = Circumstances({"P": [10.0], "D": [3.0]})
+    entry, notes = database.record(recording(circumstances=soft, error=5e-3))
+    assert (entry.identifier, len(database.entries())) == (1, 1)
+    assert "gains differ" in notes[0]
+
+
+def test_another_version_of_a_motion_is_another_motion(database: Database) -> None:
+    database.record(recording())
+    database.record(recording(0.05, version="2"))
+    with pytest.raises(EntryNotFound):
+        database.query("squat", kind="learned", **SQUAT)
+    found = database.query("squat", kind="learned", version="1", **SQUAT)
+    assert found.declaration is not None
+    assert (found.provenance["entries"], found.declaration.version) == ([1], "1")
+
+
+@pytest.mark.parametrize(
+    ("axes", "entry"),
+    [
+        (("com.z",), 1),
+        (("com.x", "com.z"), 2),
+        (("com.z", "com.x"), 2),
+        (("com.x", "com.y", "com.z"), 2),
+        (("com.z", "torso.rz"), 1),
+        (("torso.rz",), None),
+        (None, 1),
+    ],
+)
+def test_the_axes_that_are_asked_for_or_most_of_them(
+    database: Database, axes: tuple[str, ...] | None, entry: int | None
+) -> None:
+    database.record(recording(axes=("com.z",)))
+    database.record(recording(axes=("com.x", "com.z")))
+    database.record(recording(axes=("com.z",), error=0.5e-3))
+    if entry is None:
+        with pytest.raises(EntryNotFound):
+            database.query("squat", kind="learned", axes=axes, **SQUAT)
+        return
+    found = database.query("squat", axes=axes, **SQUAT)
+    assert found.provenance["entries"] == [entry]
+    assert tuple(found.provenance["axes"]) == found.axes
+    if axes is not None:
+        padded = found.over(axes)
+        for axis, row in zip(axes, padded.weights, strict=True):
+            assert row.any() == (axis in found.axes)
+
+
+def test_generalised_comes_from_entries_of_one_set_of_axes(database: Database) -> None:
+    for amplitude in (0.02, 0.04):
+        database.record(recording(amplitude))
+    database.record(recording(0.06, axes=("com.x", "com.z")))
+    found = database.query("squat", axes=("com.x", "com.z"), amplitude=0.03)
+    assert (found.axes, found.provenance["entries"]) == (("com.z",), [1, 2])
+    database.record(recording(0.02, axes=("com.x", "com.z")))
+    found = database.query("squat", axes=("com.x", "com.z"), amplitude=0.03)
+    assert (found.axes, found.provenance["entries"]) == (("com.x", "com.z"), [3, 4])
+
+
+def test_the_declaration_of_the_newest_recording_counts(database: Database) -> None:
+    parameters = (
+        Parameter("amplitude", "mm", low=0.0, high=100.0),
+        Parameter("frequency", "Hz", default=0.25),
+        Parameter("pause", "s", default=2.0),
+    )
+    told = Declaration("bow", "x1", parameters)
+    key = EntryKey.of("hermes_lower", "bow", "x1", ("com.z",), {"amplitude": 30.0}, CONTEXT)
+    entry, _ = database.record(recording(key=key, declaration=told))
+    whole = {"amplitude": 30.0, "frequency": 0.25, "pause": 2.0}
+    assert dict(entry.key.parameters) == whole
+    # as a recording that says nothing, and as a query, see them
+    assert database.record(recording(key=key, declaration=None))[0].identifier == 1
+    assert database.query("bow", amplitude=30.0).parameters == whole
+    with pytest.raises(InvalidValue, match="0 to 100 mm"):
+        database.query("bow", amplitude=300.0)
+    with pytest.raises(InvalidValue, match="did you mean 'pause'"):
+        database.query("bow", amplitude=30.0, paus=1.0)
+
+
+def test_a_declaration_of_another_motion_is_refused(database: Database) -> None:
+    for changed in (replace(DECLARATION, motion="sway"), replace(DECLARATION, version="2")):
+        with pytest.raises(InvalidValue, match="expected that of squat, version 1"):
+            database.record(recording(declaration=changed))
+
+
+# older files
+
+
+def make_version_3(path: Path) -> None:
+    """A file as the version before this one left it: two squats along com.z."""
+    make_version_1(path)
+    with closing(sqlite3.connect(path)) as old:
+        for column in ("feedback", "error_weights", "reference_weights"):
+            old.execute(f"ALTER TABLE iteration ADD COLUMN {column} TEXT")
+        old.execute("ALTER TABLE iteration ADD COLUMN learned_from INTEGER")
+        old.execute("UPDATE iteration SET learned_from = 0 WHERE number = 1")
+        errors = {"rms_error_m": 0.01, "peak_error_m": 0.02, "mean_abs_feedback": 0.5}
+        gains = {"P": [50.0], "D": [14.0], "W": [1.0]}
+        old.execute(
+            "UPDATE iteration SET feedback = '[[0.5, 0.25]]', errors = ?, gains = ? "
+            "WHERE number = 0",
+            (json.dumps(errors | {"true_rms_error_m": float("nan")}), json.dumps(gains)),
+        )
+        parameters = """json_set(parameters, '$.height', 0.0)"""
+        old.execute(f"UPDATE entry SET parameters = {parameters} WHERE task = 'squat'")
+        old.execute("PRAGMA user_version = 3")
+        old.commit()
+
+
+def test_a_version_3_file_keeps_everything(path: Path) -> None:
+    make_version_3(path)
+    with Database(path) as database:
+        entry = database.entries()[0]
+        assert database.verify() == []
+    zero, one = entry.iterations
+    assert zero.errors == {"com.z": AxisError(0.01, peak=0.02, mean_abs_feedback=0.5)}
+    assert zero.gains == {"P": [50.0], "D": [14.0]}
+    assert zero.feedback is not None
+    np.testing.assert_array_equal(zero.feedback, [[0.5, 0.25]])
+    assert (one.learned_from, one.epoch, one.uncertainty) == (0, 0, None)
+
+
+@pytest.mark.parametrize("version", [1, 3])
+def test_an_older_file_is_backed_up_first(path: Path, version: int) -> None:
+    (make_version_1 if version == 1 else make_version_3)(path)
+    before = path.read_bytes()
+    backup = path.with_name(f"{path.name}.v{version}-backup")
+    Database(path).close()
+    assert backup.read_bytes() == before
+    # an older file of the same name once more: the first backup stays
+    path.write_bytes(before + b"\0" * 4096)
+    with suppress(DatabaseError):
+        Database(path).close()
+    assert backup.read_bytes() == before
+
+
+def test_without_room_for_a_backup_nothing_is_migrated(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make_version_3(path)
+    before = path.read_bytes()
+
+    def full(_: object) -> None:
+        raise InvalidValue("output file", "'backup' (No space left on device)", "a writable path")
+
+    monkeypatch.setattr("tsd_casadi.database.migration.write_whole", full)
+    with pytest.raises(DatabaseError, match=r"was not migrated.*No space left"):
+        Database(path)
+    assert path.read_bytes() == before
+    assert [item.name for item in path.parent.iterdir()] == [path.name]
+
+
+def test_migrated_entries_are_served_with_a_note_until_a_recording_matches(path: Path) -> None:
+    make_version_3(path)
+    with Database(path) as database:
+        for context in (None, CONTEXT):
+            found = database.query("squat", context=context, amplitude=0.02)
+            assert (found.kind, found.provenance["entries"]) == ("learned", [1])
+            assert "nobody knows" in found.provenance["note"]
+            assert found.provenance["context"] == asdict(NOWHERE)
+        generalised = database.query("squat", context=CONTEXT, amplitude=0.04)
+        assert "nobody knows" in generalised.provenance["note"]
+        basis = PeriodicBasis(2, 5.0)
+        made = recording(0.02, basis=basis, applied=np.array([[-0.7, 1.0]]))
+        entry, notes = database.record(made)
+        assert (entry.identifier, entry.key.context) == (1, CONTEXT)
+        assert any("entry 1" in note for note in notes)
+    with Database(path) as database:
+        first, second, _ = database.entries()
+        assert (first.key.context, second.key.context) == (CONTEXT, NOWHERE)
+        assert "note" not in database.query("squat", amplitude=0.02).provenance
+        # the other one still serves, and another context makes an entry of its own
+        assert "note" in database.query("squat", kind="learned", amplitude=0.06).provenance
+        assert database.record(replace(made, key=replace(made.key, context=OTHER)))[
+            0
+        ].identifier not in (1, 2, 3)
+
+
+def test_entries_of_fewer_axes_do_not_take_the_context_of_a_recording_of_more(path: Path) -> None:
+    make_version_3(path)
+    with Database(path) as database:
+        basis = PeriodicBasis(2, 5.0)
+        axes = ("com.x", "com.z")
+        made = recording(0.02, axes=axes, basis=basis, applied=np.zeros((2, 2)))
+        assert database.record(made)[0].identifier == 4
+        assert database.entries()[0].key.context == NOWHERE
+
+
+# export and import
+
+
+def test_what_one_machine_learned_serves_on_another(path: Path, tmp_path: Path) -> None:
+    file = tmp_path / "learned.jsonl"
+    with Database(path) as database, Database(tmp_path / "other.sqlite") as other:
+        for amplitude in (0.02, 0.04, 0.06):
+            entry, _ = database.record(recording(amplitude))
+        database.record(recording(0.06, applied=entry.served.weights, error=0.5e-3))
+        database.record(recording(axes=("com.x", "torso.rz"), context=OTHER))
+        own, _ = other.record(recording(0.04, error=9e-3))
+        assert database.export(file) == 4
+        assert other.import_(file) == Imported(added=3, skipped=1)
+        assert other.import_(file) == Imported(added=0, skipped=4)
+        assert_same(other.entries()[0], own)
+        assert other.verify() == []
+        by_key = {entry.key: entry for entry in other.entries()}
+        for entry in database.entries():
+            if entry.key != own.key:
+                found = by_key[entry.key]
+                entry.identifier, entry.sequence = found.identifier, found.sequence
+                assert_same(found, entry)
+        # what was recorded here is newer than anything imported
+        assert other.query("squat", amplitude=0.06).provenance["context"] == asdict(CONTEXT)
+        entry, _ = other.record(recording(0.02, applied=np.ones((1, BASIS.L))))
+        assert entry.identifier == 2
+
+
+def _with_another_number(lines: list[str]) -> None:
+    lines[1] = lines[1].replace('"learning_gain":1.0', '"learning_gain":0.5')
+
+
+SPOILT: dict[str, Callable[[list[str]], Any]] = {
+    "empty": lambda lines: lines.clear(),
+    "no header": lambda lines: lines.pop(0),
+    "a line short": lambda lines: lines.pop(),
+    "a cut line": lambda lines: lines.append(lines.pop()[:-30]),
+    "another number": _with_another_number,
+    "not ours": lambda lines: lines.insert(0, "amplitude,frequency"),
+    "another version": lambda lines: lines.__setitem__(
+        0, lines[0].replace("tsd.entries/1", "tsd.entries/9")
+    ),
+}
+
+
+@pytest.mark.parametrize("how", SPOILT)
+def test_a_spoilt_file_is_refused_and_nothing_imported(
+    database: Database, tmp_path: Path, how: str
+) -> None:
+    file = tmp_path / "learned.jsonl"
+    for amplitude in (0.02, 0.04):
+        database.record(recording(amplitude))
+    database.export(file)
+    lines = file.read_text().splitlines()
+    SPOILT[how](lines)
+    file.write_text("".join(f"{line}\n" for line in lines))
+    with Database(tmp_path / "other.sqlite") as other:
+        with pytest.raises(InvalidValue, match=r"learned\.jsonl"):
+            other.import_(file)
+        assert other.entries() == []
+
+
+def test_files_that_cannot_be_read_or_written_are_refused(
+    database: Database, tmp_path: Path
+) -> None:
+    with pytest.raises(InvalidValue, match="No such file"):
+        database.import_(tmp_path / "none.jsonl")
+    with pytest.raises(InvalidValue, match="No such file"):
+        database.export(tmp_path / "none" / "file.jsonl")

@@ -259,7 +259,7 @@ class Database:
                     entry = newest(same_axes)
                     return _told(entry.feedforward(), answering, entry)
             for each in damaged:
-                if each.parameters == wanted:
+                if each.may_be(wanted):
                     raise each.error(self.path)
         if kind == "learned":
             raise EntryNotFound(

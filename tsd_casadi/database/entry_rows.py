@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -36,13 +35,16 @@ class DamagedEntry:
     Attributes:
         identifier: Its number.
         reason: What is wrong with it.
-        parameters: Of the motion as far as they can be read, rounded and sorted
-            as those of a key.
+        parameters: Of the motion, as in a key; None if they are damaged too.
     """
 
     identifier: int
     reason: str
-    parameters: tuple[tuple[str, float], ...] = ()
+    parameters: tuple[tuple[str, float], ...] | None = None
+
+    def may_be(self, parameters: tuple[tuple[str, float], ...]) -> bool:
+        """Say whether it may be the entry of these parameters of the same motion."""
+        return self.parameters in (None, parameters)
 
     def error(self, path: Path) -> DatabaseError:
         """Make the error of whoever needs it.
@@ -85,7 +87,7 @@ class EntryRows:
                 entries.append(self._entry(row))
             except ValueError as error:  # of pydantic, or one of ours for shapes and rules
                 reason = " ".join(str(error).split())
-                damaged.append(DamagedEntry(row["id"], reason, _parameters(row["parameters"])))
+                damaged.append(DamagedEntry(row["id"], reason, _parameters(row)))
         return entries, damaged
 
     def find(self, key: EntryKey) -> Entry | None:
@@ -100,7 +102,7 @@ class EntryRows:
                 if entry.key == wanted:
                     return entry
         for each in damaged:
-            if each.parameters == key.parameters:
+            if each.may_be(key.parameters):
                 raise each.error(self._file.path)
         return None
 
@@ -195,7 +197,8 @@ COLUMNS = {
 }
 
 
-def _parameters(text: Any) -> tuple[tuple[str, float], ...]:
-    with suppress(ValueError, TypeError, AttributeError):
-        return tuple(sorted((str(n), round(float(v), 6)) for n, v in json.loads(text).items()))
-    return ()
+def _parameters(row: Mapping[str, Any]) -> tuple[tuple[str, float], ...] | None:
+    with suppress(ValueError):
+        checked = EntryRow.check(row)
+        return EntryKey.of("", checked.motion, "", (), checked.parameters).parameters
+    return None

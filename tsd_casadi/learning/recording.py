@@ -42,8 +42,8 @@ class Recording:
         """Refuse numbers that nothing can be learned from.
 
         Raises:
-            InvalidValue: If weights, laps or errors are not finite or of the wrong
-                shape, or laps are missing.
+            InvalidValue: If weights, laps, errors or gains are not finite or of the
+                wrong shape, or laps are missing.
         """
         if tuple(self.errors) != self.key.axes:
             raise InvalidValue(
@@ -54,6 +54,16 @@ class Recording:
         for axis, error in self.errors.items():
             if not (np.isfinite(error.rms) and error.rms >= 0):
                 raise InvalidValue(f"RMS error of {axis}", error.rms, "a number not below 0")
+        for name in ("P", "D"):
+            gains = self.circumstances.gains.get(name)
+            if gains is not None and not (
+                len(gains) == len(self.key.axes) and np.isfinite(gains).all()
+            ):
+                raise InvalidValue(
+                    name,
+                    str(gains)[:100],
+                    f"a finite number for each of {', '.join(self.key.axes)}",
+                )
         if not self.laps:
             raise InvalidValue("laps", "none", "at least one whole steady lap")
         k = len(self.key.axes)

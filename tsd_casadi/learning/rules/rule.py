@@ -11,7 +11,7 @@ from tsd_casadi.learning.iteration import Iteration
 from tsd_casadi.learning.recording import Recording
 from tsd_casadi.state import Matrix
 
-RuleName = Literal["guarded", "plain", "stable"]
+RuleName = Literal["guarded", "plain", "stable", "adaptive"]
 
 
 class Rule(Protocol):
