@@ -61,7 +61,11 @@ def render_extremes(robot: Robot, run: Run, out: Path) -> str:
 
 
 def render_postures(
-    robot: Robot, postures: Matrix, width: int = WIDTH, height: int = HEIGHT
+    robot: Robot,
+    postures: Matrix,
+    width: int = WIDTH,
+    height: int = HEIGHT,
+    azimuth: float | None = None,
 ) -> Pictures | None:
     """Render postures with one camera at rest.
 
@@ -69,17 +73,20 @@ def render_postures(
         postures: (N, nq), Pinocchio's convention.
         width: [pixels].
         height: [pixels].
+        azimuth: Of where the camera looks [deg], 180 sees the robot from in front;
+            that of the robot's scene by default.
 
     Returns:
         (N, height, width, 3) of bytes; None if no GL library works, see ``HINT``.
     """
     with tempfile.TemporaryDirectory(prefix="tsd-render-") as folder:
         given, target = Path(folder) / "postures.npy", Path(folder) / "frames.npy"
+        seen_from = "" if azimuth is None else str(azimuth)
         np.save(given, np.asarray(postures, dtype=float))
         for library in _libraries():
             if _render_apart(
                 library,
-                [str(robot.path), str(given), str(target), str(width), str(height)],
+                [str(robot.path), str(given), str(target), str(width), str(height), seen_from],
                 PATIENCE + PATIENCE_PER_PICTURE * len(postures),
             ):
                 return np.asarray(np.load(target))
@@ -139,7 +146,9 @@ def _render_apart(library: str, arguments: list[str], patience: float) -> bool:
     return done.returncode == 0
 
 
-def _render(robot_path: Path, postures: Path, target: Path, width: int, height: int) -> None:
+def _render(
+    robot_path: Path, postures: Path, target: Path, width: int, height: int, azimuth: float | None
+) -> None:
     import mujoco
 
     from tsd_casadi.robot.robot import load_robot
@@ -156,6 +165,8 @@ def _render(robot_path: Path, postures: Path, target: Path, width: int, height: 
     with mujoco.Renderer(model, height, width) as renderer:
         camera = mujoco.MjvCamera()
         mujoco.mjv_defaultFreeCamera(model, camera)
+        if azimuth is not None:
+            camera.azimuth = azimuth
         camera.distance = 3.0 * float(robot.home_com[2])
         # where the robot stands at home; a camera that followed it would hide its motion
         camera.lookat[:] = (*robot.home_com[:2], 0.75 * float(robot.home_com[2]))
@@ -169,4 +180,7 @@ def _render(robot_path: Path, postures: Path, target: Path, width: int, height: 
 
 if __name__ == "__main__":
     robot_file, given_file, target_file = map(Path, sys.argv[1:4])
-    _render(robot_file, given_file, target_file, int(sys.argv[4]), int(sys.argv[5]))
+    pixels = int(sys.argv[4]), int(sys.argv[5])
+    _render(
+        robot_file, given_file, target_file, *pixels, float(sys.argv[6]) if sys.argv[6] else None
+    )

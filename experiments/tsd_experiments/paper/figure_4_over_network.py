@@ -63,6 +63,7 @@ def generalize_over_amplitude(
         extrapolate=False,
         axes=setting.axes(robot),
         context=context_of(robot),
+        version=motion.version,
         **motion.parameters,
     )
     run = simulator.run(

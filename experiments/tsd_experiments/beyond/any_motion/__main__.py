@@ -10,6 +10,7 @@ import argparse
 from pathlib import Path
 
 from matplotlib import pyplot as plt
+from rich.markup import escape
 
 from tsd_casadi.robot.robot import load_robot
 from tsd_clients.console.run_tables import print_goals
@@ -32,11 +33,12 @@ def main() -> None:
     section = experiment.report(run_all([experiment], Store(arguments.out / "data", robot)))
     for table in section.tables:
         columns = [list(cells) for cells in zip(*table.rows, strict=True)]
-        console.print(f"\n{table.caption}")
+        console.print(escape(f"\n{table.caption}"))
         print_table(
             "",
             [
-                Column(head, cells, is_text=place < 1)
+                # headings in two lines, so that all columns fit 80 characters
+                Column(head.replace(" after", "\nafter"), cells, rank=int(place == 2))
                 for place, (head, cells) in enumerate(zip(table.head, columns, strict=True))
             ],
         )

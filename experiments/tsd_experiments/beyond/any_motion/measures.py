@@ -35,8 +35,9 @@ class OverSeeds:
         return min(self.values) if self.larger_is_better else max(self.values)
 
     def text(self) -> str:
-        """Write both for a table."""
-        return f"{self.median:.4g} / {self.worst:.4g}"
+        """Write both for a table; one number for one seed."""
+        numbers = (self.median, self.worst)[: len(self.values)]
+        return " / ".join(f"{x:.0f}" if x >= 1000 else f"{x:.3g}" for x in numbers)
 
 
 def measure_of(row: dict[str, Any], axis: str, name: str = "rms_error") -> float:
