@@ -115,6 +115,8 @@ class LearnerService:
         if robot == ANY_ROBOT:
             raise MalformedMessage("a suggestion for any robot", "the robot's name in the key")
         asked = Question.of(_texts(query), REGION)
+        if asked.kind is not None or asked.extrapolate:
+            raise InvalidValue("the query", "with kind or extrapolate", f"neither, as in {REGION}")
         region, fixed = {}, {}
         for name, text in asked.parameters.items():
             low, colon, high = text.partition(":")

@@ -1326,7 +1326,7 @@ def test_any_changed_column_is_told(path: Path, table: str) -> None:
         path.write_bytes(whole)
         is_number = name in ("id", "entry", "event", "number", "epoch", "learned_from")
         is_number = is_number or name == "learning_gain"
-        value = f"coalesce({name}, 0) + 1" if is_number else f"coalesce({name}, '') || ' '"
+        value = f"coalesce({name}, 0) + 10" if is_number else f"coalesce({name}, '') || ' '"
         change(path, "PRAGMA foreign_keys = OFF", f"UPDATE {table} SET {name} = {value}")
         with Database(path) as database:
             assert database.verify() != [], name

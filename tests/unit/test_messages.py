@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,29 +16,53 @@ from tsd_casadi.center_of_mass.correction_file import CenterOfMassMessage
 from tsd_casadi.document import Document, json_schema
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
-from tsd_casadi.exceptions import EntryNotFound, InvalidValue, MalformedMessage
+from tsd_casadi.exceptions import (
+    DatabaseError,
+    EntryNotFound,
+    InvalidValue,
+    MalformedMessage,
+    OutsideTrainedRange,
+    ServiceFailed,
+    TsdError,
+    UnknownField,
+    UnsupportedVersion,
+)
 from tsd_casadi.generalization.suggestion import Suggestion
+from tsd_casadi.learning.axis_error import AxisError
+from tsd_casadi.learning.circumstances import Circumstances
+from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.instruction import Instruction
-from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.recording import Recording
 from tsd_casadi.learning.rules.by_name import find_rule
+from tsd_casadi.motions.squat import Squat
+from tsd_casadi.wire.axis import AxisErrorMessage, AxisMessage
+from tsd_casadi.wire.basis import BasisMessage
+from tsd_casadi.wire.context import CircumstancesMessage, ContextMessage
+from tsd_casadi.wire.declaration import DeclarationMessage, ParameterMessage, QuantityMessage
 from tsd_casadi.wire.error import ErrorMessage
-from tsd_casadi.wire.feedforward import BasisMessage, FeedforwardMessage, QuantityMessage
+from tsd_casadi.wire.feedforward import BandMessage, BoundMessage, FeedforwardMessage
 from tsd_casadi.wire.info import FieldMessage, InfoMessage
 from tsd_casadi.wire.learner import (
-    ContextMessage,
+    DamagedMessage,
     DatabaseReply,
     EntryMessage,
-    LapMessage,
-    RecordMessage,
+    IterationMessage,
     RecordReply,
 )
+from tsd_casadi.wire.message import Message
+from tsd_casadi.wire.question import Question, question_texts
+from tsd_casadi.wire.record import LapMessage, RecordMessage
 from tsd_casadi.wire.suggestion import SuggestionMessage
 
-KEY = EntryKey.of("hermes_lower", "squat", ("com.z",), {"amplitude": 0.03, "frequency": 0.25})
-CONTEXT = Context("00ff", "abcd", {"P": [50.0], "D": [14.0]}, "0.1.0")
+CONTEXT = Context("00ff", "abcd", "c0ffee")
+MADE = Circumstances({"P": [50.0], "D": [14.0]}, {"seed": 3, "hardware": {"delay": 0.1}}, "0.1.0")
+KEY = EntryKey.of(
+    "hermes_lower", "squat", "1", ("com.z",), {"amplitude": 0.03, "frequency": 0.25}, CONTEXT
+)
+DECLARATION = Squat.declaration()
 PHASE = np.pi + np.linspace(0, 2 * np.pi, 20, endpoint=False)
 # JSON: anything that json.loads gives back
 PLAIN = st.recursive(
@@ -52,13 +77,20 @@ PLAIN = st.recursive(
 def a_feedforward(seed: int = 0, L: int = 25) -> Feedforward:
     rng = np.random.default_rng(seed)
     return Feedforward(
-        ("com.x", "com.z"),
+        ("com.z", "torso.rz"),
         PeriodicBasis.of_size(L),
         rng.normal(size=(2, L)),
         rng.uniform(size=(2, L)),
         "generalised",
         {"amplitude": 0.05, "frequency": 0.25},
-        {"entries": [1, 2], "iteration": 3, "errors": [None, {"rms_error_m": 1e-3}]},
+        {
+            "entries": [1, 2],
+            "iteration": 3,
+            "errors": [None, {"com.z": {"rms": 1e-3}}],
+            "context": {"body": "00ff", "formulation": "abcd", "correction": ""},
+            "others": 4,
+        },
+        DECLARATION,
     )
 
 
@@ -73,8 +105,9 @@ def a_recording(seed: int = 0) -> Recording:
             Lap(PHASE + rng.normal(), rng.normal(size=(1, 20))),
             Lap(PHASE + rng.normal(), *rng.normal(size=(3, 1, 20))),
         ],
-        errors={"rms_error_m": 1e-3, "ac_rms_error_m": 1e-4},
-        context=CONTEXT,
+        errors={"com.z": AxisError(1e-3, ac_rms=1e-4)},
+        circumstances=MADE,
+        declaration=DECLARATION,
     )
 
 
@@ -82,7 +115,7 @@ INSTRUCTION = Instruction(find_rule("plain"), update=False, restart=True)
 
 
 def an_entry() -> Entry:
-    entry = Entry(KEY, PeriodicBasis.of_size(5), CONTEXT, identifier=4, updated="2026-01-01")
+    entry = Entry(KEY, PeriodicBasis.of_size(5), MADE, identifier=4, updated="2026-01-01")
     entry.add(a_recording())
     return entry
 
@@ -94,6 +127,8 @@ def an_info(controller: Controller) -> InfoMessage:
         instance=2**63 + 5,
         protocol=1,
         model="abcd",
+        body="00ff",
+        formulation="ff00",
         ticks_served=7,
         ticks_refused=1,
     )
@@ -102,20 +137,38 @@ def an_info(controller: Controller) -> InfoMessage:
 FEEDFORWARD = FeedforwardMessage.of("hermes_lower", "squat", a_feedforward())
 RECORD = RecordMessage.of(a_recording(), INSTRUCTION)
 ENTRY = EntryMessage.of(an_entry())
-PLACE = Suggestion({"amplitude": 0.05, "frequency": 0.4, "height": -0.02}, 0.03)
+PLACE = Suggestion(
+    {"amplitude": 0.05, "frequency": 0.4, "height": -0.02}, 0.03, {"others": 2}, DECLARATION
+)
 SUGGESTION = SuggestionMessage.of("hermes_lower", "squat", PLACE)
 SAMPLES: list[Document] = [
     ErrorMessage.of(EntryNotFound('nothing ä "quoted"')),
     QuantityMessage(value=0.05, unit="m"),
     BasisMessage.of(PeriodicBasis()),
     FEEDFORWARD,
+    FEEDFORWARD.model_copy(
+        update={
+            "bands": [BandMessage(kind="simultaneous", coverage=0.9, half_width=[[0.1] * 25] * 2)],
+            "bound": BoundMessage(largest=[1.0, 2.0], reason="1.5 times what was recorded"),
+        }
+    ),
     RECORD,
+    RECORD.model_copy(update={"declaration": None}),
     RECORD.laps[0],
+    RECORD.axes[0],
+    RECORD.errors["com.z"],
     RECORD.context,
+    RECORD.circumstances,
+    DeclarationMessage.of(DECLARATION),
+    ParameterMessage(name="pause", unit="s"),
     ENTRY,
+    ENTRY.iterations[0],
     RecordReply(entry=ENTRY, notes=["worse"]),
     DatabaseReply(database="/tmp/d.sqlite", entries=[ENTRY]),
     DatabaseReply(database="/tmp/d.sqlite", entries=[ENTRY], forgotten=ENTRY),
+    DatabaseReply(
+        database="/tmp/d.sqlite", entries=[], damaged=(DamagedMessage(entry=3, reason="cut"),)
+    ),
     SUGGESTION,
     SuggestionMessage.of("hermes_lower", "squat", replace(PLACE, standard_deviation=None)),
     CenterOfMassMessage(
@@ -133,10 +186,19 @@ CLASSES = [
     QuantityMessage,
     BasisMessage,
     FeedforwardMessage,
+    BandMessage,
+    BoundMessage,
+    AxisMessage,
+    AxisErrorMessage,
+    DeclarationMessage,
+    ParameterMessage,
     LapMessage,
     ContextMessage,
+    CircumstancesMessage,
     RecordMessage,
     EntryMessage,
+    IterationMessage,
+    DamagedMessage,
     RecordReply,
     DatabaseReply,
     SuggestionMessage,
@@ -172,7 +234,8 @@ def test_what_iterations_leave_comes_back_as_it_was() -> None:
 
 def test_every_message_class_is_tested_here() -> None:
     # rows of a database are documents as well, and tested there
-    messages = {kind for kind in Document.__subclasses__() if ".database." not in kind.__module__}
+    kinds = {*Document.__subclasses__(), *Message.__subclasses__()} - {Message}
+    messages = {kind for kind in kinds if ".database." not in kind.__module__}
     assert messages == set(CLASSES)
 
 
@@ -197,7 +260,7 @@ def test_info_comes_back_with_the_same_layouts(controller: Controller) -> None:
 
 def test_info_says_where_each_field_lies(controller: Controller) -> None:
     document = json.loads(an_info(controller).encode())
-    assert document["format"] == "tsd.info/1"
+    assert document["format"] == "tsd.info/2"
     for which in ("request", "reply"):
         end = 0
         for field in document[which]:
@@ -215,6 +278,7 @@ def test_feedforward_is_exact_over_json(seed: int, size: int) -> None:
     feedforward = a_feedforward(seed, size)
     payload = FeedforwardMessage.of("r", "squat", feedforward).encode()
     found = FeedforwardMessage.decode(payload).feedforward()
+    assert found.declaration == DECLARATION
     np.testing.assert_array_equal(found.weights, feedforward.weights)
     np.testing.assert_array_equal(found.standard_deviations, feedforward.standard_deviations)
     assert replace(found, weights=0, standard_deviations=0) == replace(  # type: ignore[arg-type]
@@ -240,7 +304,7 @@ def test_a_recording_is_exact_over_json(seed: int) -> None:
             np.testing.assert_array_equal(one.error, other.error)
             np.testing.assert_array_equal(one.reference, other.reference)
     assert found.key == KEY
-    for name in ("basis", "errors", "context"):
+    for name in ("basis", "errors", "circumstances", "declaration"):
         assert getattr(found, name) == getattr(recording, name)
 
 
@@ -256,17 +320,150 @@ def test_rule_update_and_restart_have_careful_defaults() -> None:
 def test_entry_message_says_what_is_served_and_tested() -> None:
     assert ENTRY.entry == 4
     assert ENTRY.parameters["amplitude"] == QuantityMessage(value=0.03, unit="m")
-    assert [number for number, _ in ENTRY.iterations] == [0, 1, 2]
+    assert [item.number for item in ENTRY.iterations] == [0, 1, 2]
     assert ENTRY.served == 2
-    assert ENTRY.iterations[2][1] is None
+    assert ENTRY.iterations[2].errors is None
+    assert ENTRY.iterations[1].errors == {
+        "com.z": AxisErrorMessage(rms=1e-3, ac_rms=1e-4, unit="m")
+    }
+    assert ENTRY.context.context() == CONTEXT
+    assert ENTRY.axes == [AxisMessage(name="com.z", unit="m")]
 
 
-def test_error_message_carries_the_code() -> None:
+def test_error_message_carries_code_and_data() -> None:
     message = ErrorMessage.of(InvalidValue("amplitude", 5, "less"))
     assert json.loads(message.encode()) == {
+        "format": "tsd.error/2",
         "code": "invalid_value",
         "message": "amplitude is 5, expected less",
+        "data": {"field": "amplitude", "value": 5, "expected": "less"},
     }
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        InvalidValue("P[2]", -1.0, "a positive number"),
+        OutsideTrainedRange("amplitude", 0.2, 0.02, 0.08, "m"),
+        UnknownField("ampl", ["amplitude", "frequency"]),
+        DatabaseError(Path("/tmp/d.sqlite"), "cannot be read", "restore a copy"),
+        EntryNotFound("nothing yet"),
+    ],
+    ids=lambda error: type(error).__name__,
+)
+def test_an_error_arrives_with_its_data(error: TsdError) -> None:
+    found = ErrorMessage.decode(ErrorMessage.of(error).encode()).error()
+    assert type(found) is type(error)
+    assert str(found) == str(error)
+    assert vars(found) == vars(error)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [{"low": "x"}, {"low": [1]}, {"__class__": 1}, {"code": "internal"}, {"args": []}, {"with": 1}],
+)
+def test_data_that_makes_no_sense_is_dropped(data: dict[str, Any]) -> None:
+    message = ErrorMessage(code="extrapolation", message="no", data=data)
+    found = ErrorMessage.decode(message.encode()).error()
+    assert isinstance(found, OutsideTrainedRange)
+    assert (str(found), found.low, found.code, vars(found)) == ("no", None, "extrapolation", {})
+
+
+def test_data_is_plain_and_bounded() -> None:
+    message = ErrorMessage.of(InvalidValue("x" * 10**5, {"a": object()}, "b"))
+    data = json.loads(message.encode())["data"]
+    assert (len(data["field"]), type(data["value"])) == (1000, str)
+    assert json.loads(ErrorMessage.of(InvalidValue("x", math.nan, "b")).encode())["data"] == {
+        "field": "x",
+        "value": None,
+        "expected": "b",
+    }
+
+
+def test_an_unknown_code_is_a_service_that_failed() -> None:
+    found = ErrorMessage(code="dreamt", message="no", data={"low": 1}).error()
+    assert isinstance(found, ServiceFailed)
+    assert (found.code, str(found)) == ("dreamt", "no")
+
+
+# version 1
+
+VERSION_1: dict[type[Document], dict[str, Any]] = {
+    RecordMessage: {"task": "squat", "axes": ["com.z"], "parameters": {}, "laps": []},
+    FeedforwardMessage: {"format": "tsd.feedforward/1", "robot": "r", "task": "squat"},
+    SuggestionMessage: {"format": "tsd.suggestion/1", "robot": "r", "task": "squat"},
+    RecordReply: {"entry": {"entry": 1, "task": "squat"}, "notes": []},
+    DatabaseReply: {"database": "/tmp/d.sqlite", "entries": []},
+    InfoMessage: {"format": "tsd.info/1", "robot": "r"},
+}
+
+
+@pytest.mark.parametrize("kind", VERSION_1, ids=lambda kind: kind.__name__)
+def test_a_message_of_version_1_is_told_what_to_send(kind: type[Document]) -> None:
+    assert set(VERSION_1) == set(Message.__subclasses__())
+    with pytest.raises(UnsupportedVersion, match=r"/2.*'motion' in place of 'task'"):
+        kind.decode(json.dumps(VERSION_1[kind]).encode())
+
+
+def test_who_speaks_version_1_can_read_that_error() -> None:
+    message = ErrorMessage.of(UnsupportedVersion("a query of version 1", "another"))
+    assert json.loads(message.encode()).keys() == {"code", "message"}
+
+
+# queries
+
+EXAMPLE = "?motion=squat;amplitude=0.05"
+
+
+def test_a_question_comes_back_as_it_was() -> None:
+    texts = question_texts(
+        "squat", {"amplitude": 0.1 + 0.2}, version="1+ab", axes=("com.z", "com.x"), context=CONTEXT
+    )
+    found = Question.of({**texts, "kind": "learned", "extrapolate": "True"}, EXAMPLE)
+    assert (found.motion, found.version, found.axes) == ("squat", "1+ab", ("com.z", "com.x"))
+    assert (found.context, found.kind, found.extrapolate) == (CONTEXT, "learned", True)
+    assert found.numbers() == {"amplitude": 0.1 + 0.2}
+    short = question_texts("squat", {}, version=None, axes=None, context=None)
+    assert short == {"motion": "squat"}
+    found = Question.of(short, EXAMPLE)
+    assert (found.version, found.axes, found.context, found.kind) == (None, None, None, None)
+    nowhere = question_texts("squat", {}, version=None, axes=None, context=Context())
+    assert Question.of(nowhere, EXAMPLE).context == Context()
+
+
+@pytest.mark.parametrize(
+    ("texts", "error", "named"),
+    [
+        ({}, MalformedMessage, "no motion"),
+        ({"task": "squat"}, UnsupportedVersion, "'motion=' in place of it"),
+        ({"motion": "squat", "task": "squat"}, UnsupportedVersion, "version 1"),
+        ({"motion": "a b"}, InvalidValue, "motion is 'a b'"),
+        ({"motion": "x" * 101}, InvalidValue, "motion"),
+        ({"motion": "squat", "axes": ""}, InvalidValue, "axes is ''"),
+        ({"motion": "squat", "axes": "com.z,com.z"}, InvalidValue, "each axis once"),
+        ({"motion": "squat", "axes": "com/z"}, InvalidValue, "com/z"),
+        ({"motion": "squat", "body": "00ff"}, InvalidValue, "body and formulation"),
+        ({"motion": "squat", "correction": "00ff"}, InvalidValue, "body and formulation"),
+        ({"motion": "squat", "body": "a b", "formulation": "x"}, InvalidValue, "body is 'a b'"),
+        ({"motion": "squat", "body": "x", "formulation": "x" * 201}, InvalidValue, "formulation"),
+        ({"motion": "squat", "version": "1 2"}, InvalidValue, "version is '1 2'"),
+        ({"motion": "squat", "kind": "best"}, InvalidValue, "learned or generalised"),
+        ({"motion": "squat", "extrapolate": "2"}, InvalidValue, "true or false"),
+        ({"motion": "squat", "robot": "1"}, InvalidValue, "'robot'"),
+        ({"motion": "squat", "amplitude": "x"}, InvalidValue, "amplitude is 'x'"),
+        ({"motion": "squat", "a b": "1"}, InvalidValue, "'a b'"),
+        (
+            {"motion": "squat", **{f"p{n}": "1" for n in range(60)}},
+            MalformedMessage,
+            "61 fields",
+        ),
+    ],
+)
+def test_questions_that_make_no_sense_are_refused(
+    texts: dict[str, str], error: type[TsdError], named: str
+) -> None:
+    with pytest.raises(error, match=named):
+        Question.of(texts, EXAMPLE).numbers()
 
 
 # what a client without this software has to work with
@@ -289,11 +486,18 @@ def test_samples_rebuilt_from_the_json_alone_are_the_feedforward(seed: int, phas
 
 def test_feedforward_json_has_format_units_and_names() -> None:
     document = json.loads(FEEDFORWARD.encode())
-    assert document["format"] == "tsd.feedforward/1"
-    assert document["unit"] == "m/s^2"
+    assert document["format"] == "tsd.feedforward/2"
+    assert (document["motion"], document["version"]) == ("squat", DECLARATION.version)
+    assert document["context"] == {"body": "00ff", "formulation": "abcd", "correction": ""}
+    assert document["others"] == 4
+    declared = document["declaration"]["parameters"]
+    assert [item["name"] for item in declared] == ["amplitude", "frequency", "height"]
     assert document["parameters"]["frequency"] == {"value": 0.25, "unit": "Hz"}
-    assert document["axes"] == ["com.x", "com.z"]
-    assert document["basis"]["type"] == "periodic_rbf"
+    assert document["axes"] == [
+        {"name": "com.z", "unit": "m"},
+        {"name": "torso.rz", "unit": "rad"},
+    ]
+    assert document["basis"]["kind"] == "periodic"
     assert document["basis"]["L"] == len(document["basis"]["centres"]) == 25
 
 
@@ -303,8 +507,9 @@ def test_json_schema_covers_every_field_of_the_feedforward() -> None:
     assert schema["type"] == "object"
     assert schema["additionalProperties"] is False
     assert set(schema["properties"]) == set(document)
-    assert schema["properties"]["format"]["const"] == "tsd.feedforward/1"
-    assert set(schema["required"]) >= set(document) - {"format", "unit"}
+    assert schema["properties"]["format"]["const"] == "tsd.feedforward/2"
+    later = {"instance", "version", "context", "others", "epoch", "declaration", "bands", "bound"}
+    assert set(schema["required"]) == set(document) - {"format"} - later
 
 
 # what is refused
@@ -312,16 +517,25 @@ def test_json_schema_covers_every_field_of_the_feedforward() -> None:
 MALFORMED: dict[str, tuple[Document, str, Any]] = {
     f"{type(message).__name__} {path} = {value!r}": (message, path, value)
     for message, path, values in [
-        (FEEDFORWARD, "format", ["tsd.feedforward/2", "", None, 1]),
-        (FEEDFORWARD, "unit", ["m", "", None]),
+        (FEEDFORWARD, "instance", [-1, None, "x"]),
+        (FEEDFORWARD, "version", ["1 2", None, "x" * 101]),
+        (FEEDFORWARD, "others", [-1, None, "x"]),
+        (FEEDFORWARD, "epoch", [-1, None, 1.5]),
+        (FEEDFORWARD, "context", [None, {"model": "x"}, {"body": "a b"}]),
+        (FEEDFORWARD, "bands", [{}, [1], [{"kind": "wide"}]]),
+        (FEEDFORWARD, "bound", [1.0, {"largest": [-1.0]}, {"largest": math.nan}]),
+        (FEEDFORWARD, "axes.0.unit", ["cm", None, ""]),
+        (FEEDFORWARD, "declaration.parameters.0.low", ["x", None]),
+        (FEEDFORWARD, "declaration.parameters.0.unit", [None, "x" * 21]),
+        (FEEDFORWARD, "declaration.motion", [None, "a b"]),
         (FEEDFORWARD, "kind", ["learnt", "", None, 3]),
-        (FEEDFORWARD, "axes", ["com.z", None, [1], {}]),
+        (FEEDFORWARD, "axes", ["com.z", None, [1], {}, [], ["com.z"]]),
         (FEEDFORWARD, "robot", [None, 1, []]),
         (FEEDFORWARD, "weights", [None, 1, [1.0], [["x"]], [[None]], [[[1.0]]], {}]),
         (FEEDFORWARD, "weights.0.3", [math.nan, math.inf, -math.inf, 1e10, None, "x", [1.0]]),
         (FEEDFORWARD, "standard_deviations.1.0", [math.nan, math.inf, None, "x"]),
         (FEEDFORWARD, "basis", [None, {}, []]),
-        (FEEDFORWARD, "basis.type", ["fourier", None]),
+        (FEEDFORWARD, "basis.kind", ["fourier", None]),
         (FEEDFORWARD, "basis.L", [0, -1, 1001, 2.5, None, "x"]),
         (FEEDFORWARD, "basis.width", [0, -1, 1e6, math.nan, math.inf, None]),
         (FEEDFORWARD, "basis.centres", [None, 1.0, ["x"]]),
@@ -330,8 +544,9 @@ MALFORMED: dict[str, tuple[Document, str, Any]] = {
         (FEEDFORWARD, "parameters.amplitude.value", [math.nan, math.inf, None, "x"]),
         (FEEDFORWARD, "provenance", [None, [], "x"]),
         (FEEDFORWARD, "more", [1]),
-        (RECORD, "task", ["", "1squat", "a b", "a/b", "a*", "x" * 101, None]),
-        (RECORD, "axes", [[], [""], ["com/z"], ["a"] * 51, None, "com.z"]),
+        (RECORD, "motion", ["", "1squat", "a b", "a/b", "a*", "x" * 101, None]),
+        (RECORD, "axes", [[], ["com.z"], [{"name": "a"}] * 51, None, "com.z"]),
+        (RECORD, "axes.0.name", ["", "com/z", None, 1]),
         (RECORD, "parameters", [None, [], {"a b": 1.0}, {"amplitude": math.nan}]),
         (RECORD, "parameters.amplitude", [math.nan, math.inf, None, "x", 1e10]),
         (RECORD, "applied.0.0", [math.nan, math.inf, None, "x", 1e10]),
@@ -342,23 +557,32 @@ MALFORMED: dict[str, tuple[Document, str, Any]] = {
         (RECORD, "laps.0.feedback.0.7", [math.nan, -math.inf, None, 1e10]),
         (RECORD, "laps.1.error.0.7", [math.nan, -math.inf, None, 1e10]),
         (RECORD, "laps.1.reference", [1.0, [1.0], {}]),
-        (RECORD, "errors", [None, [], {"rms_error_m": math.nan}]),
-        (RECORD, "errors.rms_error_m", [math.nan, math.inf, None, "x"]),
-        (RECORD, "context", [None, {}, {"formulation": "x"}]),
-        (RECORD, "context.formulation", [None, 1, "x" * 101]),
-        (RECORD, "context.model", [None, 1, "x" * 101]),
-        (RECORD, "context.version", [None, 1, "x" * 101]),
-        (RECORD, "context.gains", [None, [], {"P": 1.0}, {"P": [math.nan]}]),
+        (RECORD, "version", [None, 1, "1 2", "x" * 101]),
+        (RECORD, "errors", [None, [], {"com.z": math.nan}, {"com z": {"rms": 1.0, "unit": "m"}}]),
+        (RECORD, "context", [None, [], {"model": "x"}]),
+        (RECORD, "context.formulation", [None, 1, "x" * 201, "a b"]),
+        (RECORD, "context.body", [None, 1, "x" * 201, "a/b"]),
+        (RECORD, "context.correction", [None, 1, "x" * 201]),
+        (RECORD, "circumstances", [None, {}, {"gains": {}, "more": 1}]),
+        (RECORD, "circumstances.version", [None, 1, "x" * 101]),
+        (
+            RECORD,
+            "circumstances.gains",
+            [None, [], {"P": 1.0}, {"P": [math.nan]}, {"P": [1.0] * 51}],
+        ),
+        (RECORD, "circumstances.setting", [None, [], 1]),
+        (RECORD, "declaration", [1, {}, {"motion": "squat"}]),
+        (RECORD, "declaration.parameters", [None, [1], [{"name": "a", "unit": "m"}] * 51]),
+        (RECORD, "declaration.parameters.0.name", ["", "a b", None]),
         (RECORD, "rule", ["reckless", None, ""]),
         (RECORD, "update", ["perhaps", None, 3]),
         (RECORD, "restart", ["perhaps", None, 3]),
         (RECORD, "more", [1]),
-        (ENTRY, "iterations.0", [None, [1], [1, {}, 2], ["x", None]]),
+        (ENTRY, "iterations.0", [None, [1], {}, {"number": "x"}, {"number": 1, "errors": 1}]),
         (ENTRY, "rule", ["reckless"]),
-        (SUGGESTION, "format", ["tsd.suggestion/2", None]),
         (SUGGESTION, "parameters.height", [None, 0.0, {"value": math.nan, "unit": "m"}]),
         (SUGGESTION, "standard_deviation", [math.nan, -1.0, "x"]),
-        (SUGGESTION, "unit", ["m"]),
+        (SUGGESTION, "others", [-1, None]),
     ]
     for value in values
 }
@@ -409,9 +633,26 @@ SHAPES: dict[str, tuple[Document, str, Any]] = {
     "a lap's feedback too wide": (RECORD, "laps.0.feedback", [[0.0] * 20] * 2),
     "applied too short": (RECORD, "applied.0", [0.0] * 4),
     "applied too wide": (RECORD, "applied", [[0.0] * 5] * 2),
-    "an axis too many": (RECORD, "axes", ["com.x", "com.z"]),
-    "no RMS error": (RECORD, "errors", {"ac_rms_error_m": 1.0}),
-    "a negative RMS error": (RECORD, "errors.rms_error_m", -1e-3),
+    "an axis too many": (
+        RECORD,
+        "axes",
+        [{"name": "com.x", "unit": "m"}, {"name": "com.z", "unit": "m"}],
+    ),
+    "an axis twice": (FEEDFORWARD, "axes", [{"name": "com.z", "unit": "m"}] * 2),
+    "an axis in another unit": (RECORD, "axes.0.unit", "rad"),
+    "errors of no axis": (RECORD, "errors", {}),
+    "errors of another axis": (RECORD, "errors", {"com.x": {"rms": 1.0, "unit": "m"}}),
+    "errors in another unit": (RECORD, "errors", {"com.z": {"rms": 1.0, "unit": "rad"}}),
+    "no RMS error": (RECORD, "errors", {"com.z": {"ac_rms": 1.0, "unit": "m"}}),
+    "a negative RMS error": (RECORD, "errors", {"com.z": {"rms": -1.0, "unit": "m"}}),
+    "an error that is not finite": (RECORD, "errors", {"com.z": {"rms": math.nan, "unit": "m"}}),
+    "a setting without end": (RECORD, "circumstances.setting", {"x": "y" * 30_000}),
+    "a range the wrong way round": (RECORD, "declaration.parameters.0.low", 2e6),
+    "a parameter twice": (
+        RECORD,
+        "declaration.parameters",
+        [{"name": "amplitude", "unit": "m"}] * 2,
+    ),
 }
 
 
@@ -447,9 +688,11 @@ def test_arbitrary_json_is_refused_as_malformed(kind: type[Document], document: 
 
 
 IN_FEEDFORWARD = """robot axes axes.0 parameters basis basis.L basis.centres basis.width weights
-    weights.0 standard_deviations provenance provenance.x kind task"""
-IN_RECORD = """task axes parameters parameters.x basis applied applied.0 laps laps.0 laps.0.phase
-    laps.0.feedback errors errors.x context context.gains rule update"""
+    weights.0 standard_deviations provenance provenance.x kind motion version context declaration
+    declaration.parameters bands bound others instance"""
+IN_RECORD = """motion version axes parameters parameters.x basis applied applied.0 laps laps.0
+    laps.0.phase laps.0.feedback errors errors.x context context.body circumstances
+    circumstances.gains circumstances.setting declaration declaration.parameters.0 rule update"""
 WHERE: list[tuple[Document, str]] = [
     *((FEEDFORWARD, path) for path in IN_FEEDFORWARD.split()),
     *((RECORD, path) for path in IN_RECORD.split()),
@@ -493,11 +736,11 @@ def test_damaged_json_raises_nothing_else(where: int, byte: int, cut: int) -> No
         b'{"a":' * 10_000,
         b"9" * 10_000,
         b'{"provenance": ' + b"9" * 10_000 + b"}",
-        b'{"task": "\\ud800"}',
-        '{"task": "squat"}'.encode("utf-16"),
-        b'\xef\xbb\xbf{"task": "squat"}',
-        b'{"task": NaN}',
-        b'{"task": "squat"',
+        b'{"motion": "\\ud800"}',
+        '{"motion": "squat"}'.encode("utf-16"),
+        b'\xef\xbb\xbf{"motion": "squat"}',
+        b'{"motion": NaN}',
+        b'{"motion": "squat"',
     ],
 )
 @pytest.mark.parametrize("kind", CLASSES)
@@ -530,7 +773,8 @@ def test_a_feedforward_of_no_axes_is_refused() -> None:
     ],
 )
 def test_nan_is_refused_everywhere(message: Document, path: str) -> None:
-    value: Any = [0, {"rms_error_m": math.nan}] if path == "iterations.0" else math.nan
+    broken = {"number": 0, "errors": {"com.z": {"rms": math.nan, "unit": "m"}}}
+    value: Any = broken if path == "iterations.0" else math.nan
     with pytest.raises(MalformedMessage):
         type(message).decode(changed(message, path, value))
 
@@ -539,7 +783,8 @@ def test_a_suggestion_comes_back_as_it_was() -> None:
     assert SuggestionMessage.decode(SUGGESTION.encode()).suggestion() == PLACE
     document = json.loads(SUGGESTION.encode())
     assert document["parameters"]["height"] == {"value": -0.02, "unit": "m"}
-    assert document["unit"] == "m/s^2"
+    assert document["others"] == 2
+    assert SuggestionMessage.decode(SUGGESTION.encode()).version == DECLARATION.version
 
 
 def test_a_parameter_in_another_unit_is_refused() -> None:
@@ -552,7 +797,7 @@ def test_a_parameter_in_another_unit_is_refused() -> None:
 
 
 def test_parameters_of_a_motion_of_somebodys_own_have_no_unit() -> None:
-    feedforward = replace(a_feedforward(), parameters={"depth": 1.0})
+    feedforward = replace(a_feedforward(), parameters={"depth": 1.0}, declaration=None)
     message = FeedforwardMessage.of("r", "bow", feedforward)
     assert message.parameters["depth"] == QuantityMessage(value=1.0, unit="")
     assert FeedforwardMessage.decode(message.encode()).feedforward().parameters == {"depth": 1.0}

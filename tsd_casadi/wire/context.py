@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -26,8 +27,8 @@ class ContextMessage(Document):
         correction: Fingerprint of the estimated centre of mass; empty for none.
     """
 
-    body: Fingerprint = ""
-    formulation: Fingerprint = ""
+    body: Fingerprint
+    formulation: Fingerprint
     correction: Fingerprint = ""
 
     @classmethod
@@ -35,9 +36,18 @@ class ContextMessage(Document):
         """Describe a context."""
         return cls(**vars(context))
 
+    @classmethod
+    def of_provenance(cls, provenance: Mapping[str, Any]) -> ContextMessage:
+        """Describe the context that a provenance names, if any."""
+        context = provenance.get("context")
+        return NOBODY_KNOWS if context is None else cls(**context)
+
     def context(self) -> Context:
         """Make the context."""
         return Context(**self.model_dump())
+
+
+NOBODY_KNOWS = ContextMessage(body="", formulation="")
 
 
 class CircumstancesMessage(Document):

@@ -12,7 +12,7 @@ from tsd_casadi.learning.feedforward import Feedforward, Kind
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.wire.axis import Axes, NotNegative, axis_messages, plain_axes
 from tsd_casadi.wire.basis import BasisMessage
-from tsd_casadi.wire.context import ContextMessage
+from tsd_casadi.wire.context import NOBODY_KNOWS, ContextMessage
 from tsd_casadi.wire.declaration import (
     DeclarationMessage,
     QuantityMessage,
@@ -84,7 +84,7 @@ class FeedforwardMessage(Message):
     weights: list[list[Finite]]
     standard_deviations: list[list[Finite]]
     kind: Kind
-    context: ContextMessage = ContextMessage()
+    context: ContextMessage = NOBODY_KNOWS
     others: Annotated[int, Field(ge=0)] = 0
     epoch: Annotated[int, Field(ge=0)] = 0
     declaration: DeclarationMessage | None = None
@@ -114,7 +114,7 @@ class FeedforwardMessage(Message):
             weights=feedforward.weights.tolist(),
             standard_deviations=feedforward.standard_deviations.tolist(),
             kind=feedforward.kind,
-            context=ContextMessage(**provenance.get("context", {})),
+            context=ContextMessage.of_provenance(provenance),
             others=provenance.get("others", 0),
             epoch=provenance.get("epoch", 0),
             declaration=DeclarationMessage.of(declaration) if declaration.parameters else None,

@@ -9,7 +9,7 @@ from pydantic import Field
 from tsd_casadi.document import Finite, Name
 from tsd_casadi.generalization.suggestion import Suggestion
 from tsd_casadi.motions.declaration import Declaration
-from tsd_casadi.wire.context import ContextMessage
+from tsd_casadi.wire.context import NOBODY_KNOWS, ContextMessage
 from tsd_casadi.wire.declaration import (
     DeclarationMessage,
     QuantityMessage,
@@ -45,7 +45,7 @@ class SuggestionMessage(Message):
     version: VersionText = ""
     parameters: dict[str, QuantityMessage]
     standard_deviation: Annotated[Finite, Field(ge=0)] | None
-    context: ContextMessage = ContextMessage()
+    context: ContextMessage = NOBODY_KNOWS
     others: Annotated[int, Field(ge=0)] = 0
     declaration: DeclarationMessage | None = None
     provenance: Annotated[dict[str, Any], Field(default_factory=dict)]
@@ -68,7 +68,7 @@ class SuggestionMessage(Message):
             version=declaration.version,
             parameters=quantities(declaration, suggestion.parameters),
             standard_deviation=suggestion.standard_deviation,
-            context=ContextMessage(**provenance.get("context", {})),
+            context=ContextMessage.of_provenance(provenance),
             others=provenance.get("others", 0),
             declaration=DeclarationMessage.of(declaration) if declaration.parameters else None,
             provenance=provenance,
