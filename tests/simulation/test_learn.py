@@ -153,7 +153,7 @@ def test_each_iteration_adds_what_the_feedback_had_to_add(learned: Learned) -> N
 def test_the_best_iteration_is_served_and_known_to_be_tested(learned: Learned) -> None:
     assert learned.served.iteration == 2
     assert learned.served.provenance["tested"] is True
-    errors = {axis: error.plain() for axis, error in learned.runs[2].errors.items()}
+    errors = {"com.z": {**z(learned.runs[2]).plain(), "unit": "m"}}
     assert learned.served.provenance["errors"] == errors
 
 
@@ -466,7 +466,6 @@ def test_every_repetition_may_have_its_own_seed(
 def test_all_axes_of_the_centre_of_mass_are_learned_together(
     simulator: MujocoSimulator, controller: Controller, database: Database, motion: Motion
 ) -> None:
-    """As well as alone, though a wrong model moves all of them."""
     moved = motion.axes(simulator.robot)
     runs = learn(simulator, controller, [motion], database, laps=2)
     assert runs[0].learned == usual_axes(simulator.robot, motion)
@@ -476,7 +475,8 @@ def test_all_axes_of_the_centre_of_mass_are_learned_together(
     for axis in moved:
         first, last = (run.errors[axis].rms for run in (runs[0], runs[-1]))
         assert last < 0.2 * first
-        assert last < 1.1 * alone[-1].errors[axis].rms
+        # alone, the others stay off, and with them what they do to this one
+        assert last < alone[-1].errors[axis].rms + 0.03 * first
     # the offset that its weight leaves, which is not learned along what moves alone
     assert runs[-1].errors["com.z"].rms < 0.01 * runs[0].errors["com.z"].rms
 
