@@ -25,18 +25,24 @@ from tsd_casadi.exceptions import (
     TsdError,
     TwoServices,
 )
+from tsd_casadi.learning.axis_error import AxisError
+from tsd_casadi.learning.circumstances import Circumstances
+from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.instruction import Instruction
-from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.recording import Recording
 from tsd_casadi.learning.rules.by_name import find_rule
+from tsd_casadi.motions.squat import Squat
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import feedforward_key, record_key, suggestion_key
-from tsd_casadi.wire.learner import RecordMessage
+from tsd_casadi.wire.record import RecordMessage
 from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_server.service_process import ServiceProcess, free_endpoint
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ROBOT = "hermes_lower"
+CONTEXT = Context("00ff", "abcd")
+MADE = Circumstances({"P": [50.0], "D": [14.0]}, {"seed": 0}, "test")
 
 
 def recording_of(amplitude: float, error: float = 0.01) -> Recording:
@@ -44,12 +50,20 @@ def recording_of(amplitude: float, error: float = 0.01) -> Recording:
     phase = np.linspace(0, 2 * np.pi, 500, endpoint=False)
     feedback = -0.7 + amplitude * np.sin(phase) + 3 * amplitude**2 * np.cos(2 * phase)
     return Recording(
-        key=EntryKey.of(ROBOT, "squat", ("com.z",), {"amplitude": amplitude, "frequency": 0.25}),
+        key=EntryKey.of(
+            ROBOT,
+            "squat",
+            Squat.version,
+            ("com.z",),
+            {"amplitude": amplitude, "frequency": 0.25},
+            CONTEXT,
+        ),
         basis=basis,
         applied=np.zeros((1, basis.L)),
         laps=[Lap(phase, feedback[None, :])] * 2,
-        errors={"rms_error_m": error, "ac_rms_error_m": error / 10},
-        context=Context("abc", "def", {"P": [50.0]}, "test"),
+        errors={"com.z": AxisError(error, ac_rms=error / 10)},
+        circumstances=MADE,
+        declaration=Squat.declaration(),
     )
 
 
@@ -124,25 +138,31 @@ def test_stock_example_is_ten_lines_of_zenoh_alone() -> None:
     ("parameters", "code"),
     [
         ("", "malformed"),
-        ("?task=squat", "invalid_value"),
-        ("?task=squat;amplitude=0.05", "invalid_value"),
-        ("?task=squat;amplitude=x;frequency=0.25", "invalid_value"),
-        ("?task=squat;amplitude=nan;frequency=0.25", "invalid_value"),
-        ("?task=squat;amplitude=-1;frequency=0.25", "invalid_value"),
-        ("?task=squat;amplitude=0.05;frequency=0.25;colour=red", "invalid_value"),
-        ("?task=squat;amplitude=0.05;frequency=0.25;colour=1", "invalid_value"),
-        ("?task=squat;amplitude=0.05;frequency=0.25;robot=1", "invalid_value"),
-        ("?task=squat;amplitude=0.05;frequency=0.25;region=1", "invalid_value"),
-        ("?task=squat;amplitude=0.05;frequency=0.25;self=1", "invalid_value"),
-        ("?task=squat;amplitude=0.05;frequency=0.25;height=inf", "invalid_value"),
-        ("?task=squat;amplitude=0.05;frequency=0.25;height=high", "invalid_value"),
-        ("?task=squat;amplitude=0.05;frequency=0.25;height=-0.01", "not_found"),
-        ("?task=squat;amplitude=0.05;frequency=0.25;kind=best", "invalid_value"),
-        ("?task=squat;amplitude=0.05;frequency=0.25;extrapolate=maybe", "invalid_value"),
-        ("?task=squat;amplitude=0.05;frequency=0.25;kind=learned", "not_found"),
-        ("?task=jump;amplitude=0.05;frequency=0.25", "not_found"),
-        ("?task=squat;amplitude=0.05;frequency=0.5", "not_found"),
-        ("?task=squat;amplitude=0.2;frequency=0.25", "extrapolation"),
+        ("?motion=squat", "invalid_value"),
+        ("?motion=squat;frequency=0.25", "invalid_value"),
+        ("?task=squat;amplitude=0.05;frequency=0.25", "version"),
+        ("?motion=squat;amplitude=0.05;axes=com.z,com.z", "invalid_value"),
+        ("?motion=squat;amplitude=0.05;axes=com.x", "not_found"),
+        ("?motion=squat;amplitude=0.05;body=00ff", "invalid_value"),
+        ("?motion=squat;amplitude=0.05;body=beef;formulation=abcd", "not_found"),
+        ("?motion=squat;amplitude=0.05;version=none", "not_found"),
+        ("?motion=squat;amplitude=x;frequency=0.25", "invalid_value"),
+        ("?motion=squat;amplitude=nan;frequency=0.25", "invalid_value"),
+        ("?motion=squat;amplitude=-1;frequency=0.25", "invalid_value"),
+        ("?motion=squat;amplitude=0.05;frequency=0.25;colour=red", "invalid_value"),
+        ("?motion=squat;amplitude=0.05;frequency=0.25;colour=1", "invalid_value"),
+        ("?motion=squat;amplitude=0.05;frequency=0.25;robot=1", "invalid_value"),
+        ("?motion=squat;amplitude=0.05;frequency=0.25;region=1", "invalid_value"),
+        ("?motion=squat;amplitude=0.05;frequency=0.25;self=1", "invalid_value"),
+        ("?motion=squat;amplitude=0.05;frequency=0.25;height=inf", "invalid_value"),
+        ("?motion=squat;amplitude=0.05;frequency=0.25;height=high", "invalid_value"),
+        ("?motion=squat;amplitude=0.05;frequency=0.25;height=-0.01", "not_found"),
+        ("?motion=squat;amplitude=0.05;frequency=0.25;kind=best", "invalid_value"),
+        ("?motion=squat;amplitude=0.05;frequency=0.25;extrapolate=maybe", "invalid_value"),
+        ("?motion=squat;amplitude=0.05;frequency=0.25;kind=learned", "not_found"),
+        ("?motion=jump;amplitude=0.05;frequency=0.25", "not_found"),
+        ("?motion=squat;amplitude=0.05;frequency=0.5", "not_found"),
+        ("?motion=squat;amplitude=0.2;frequency=0.25", "extrapolation"),
     ],
 )
 def test_bad_query_is_an_error_with_a_code(
@@ -157,18 +177,19 @@ def test_bad_query_is_an_error_with_a_code(
     ("parameters", "code"),
     [
         ("", "malformed"),
-        ("?task=squat", "invalid_value"),
-        ("?task=squat;amplitude=0.05;frequency=0.25", "invalid_value"),
-        ("?task=squat;amplitude=0.02:0.08", "invalid_value"),
-        ("?task=squat;amplitude=0.02:;frequency=0.25", "invalid_value"),
-        ("?task=squat;amplitude=0.02:0.04:0.08;frequency=0.25", "invalid_value"),
-        ("?task=squat;amplitude=0.08:0.02;frequency=0.25", "invalid_value"),
-        ("?task=squat;amplitude=0.02:nan;frequency=0.25", "invalid_value"),
-        ("?task=squat;amplitude=-0.02:0.08;frequency=0.25", "invalid_value"),
-        ("?task=squat;amplitude=0.02:0.08;frequency=0.25;colour=0:1", "invalid_value"),
-        ("?task=squat;amplitude=0.02:0.08;frequency=0.25;robot=0:1", "invalid_value"),
-        ("?task=squat;amplitude=0.02:0.08;frequency=0.25;self=0:1", "invalid_value"),
-        ("?task=squat;amplitude=0.02:0.08;frequency=0.25;extrapolate=true", "invalid_value"),
+        ("?motion=squat", "invalid_value"),
+        ("?motion=squat;amplitude=0.05;frequency=0.25", "invalid_value"),
+        ("?motion=squat;frequency=0.2:0.6", "invalid_value"),
+        ("?task=squat;amplitude=0.02:0.08;frequency=0.25", "version"),
+        ("?motion=squat;amplitude=0.02:;frequency=0.25", "invalid_value"),
+        ("?motion=squat;amplitude=0.02:0.04:0.08;frequency=0.25", "invalid_value"),
+        ("?motion=squat;amplitude=0.08:0.02;frequency=0.25", "invalid_value"),
+        ("?motion=squat;amplitude=0.02:nan;frequency=0.25", "invalid_value"),
+        ("?motion=squat;amplitude=-0.02:0.08;frequency=0.25", "invalid_value"),
+        ("?motion=squat;amplitude=0.02:0.08;frequency=0.25;colour=0:1", "invalid_value"),
+        ("?motion=squat;amplitude=0.02:0.08;frequency=0.25;robot=0:1", "invalid_value"),
+        ("?motion=squat;amplitude=0.02:0.08;frequency=0.25;self=0:1", "invalid_value"),
+        ("?motion=squat;amplitude=0.02:0.08;frequency=0.25;extrapolate=true", "invalid_value"),
     ],
 )
 def test_bad_region_is_an_error_with_a_code(
@@ -180,7 +201,9 @@ def test_bad_region_is_an_error_with_a_code(
 
 
 def test_nobody_suggests_for_any_robot(raw_session: zenoh.Session) -> None:
-    reply = ask(raw_session, suggestion_key("*") + "?task=squat;amplitude=0.02:0.08;frequency=0.25")
+    reply = ask(
+        raw_session, suggestion_key("*") + "?motion=squat;amplitude=0.02:0.08;frequency=0.25"
+    )
     assert reply.err is not None
     assert ErrorMessage.decode(reply.err.payload.to_bytes()).code == "malformed"
 
@@ -220,7 +243,7 @@ def test_height_may_be_left_out_and_may_be_negative(learner: RemoteLearner) -> N
         learner.query("squat", robot=ROBOT, **squat, height=-0.01)
 
 
-@pytest.mark.parametrize("payload", [None, b"", b"{", b"[]", b'{"task": "squat"}', b"\xff\xfe"])
+@pytest.mark.parametrize("payload", [None, b"", b"{", b"[]", b'{"format": "squat"}', b"\xff\xfe"])
 def test_bad_recording_is_refused_and_nothing_lost(
     raw_session: zenoh.Session, learner: RemoteLearner, payload: bytes | None
 ) -> None:
@@ -243,6 +266,46 @@ def test_a_key_for_more_than_one_question_is_refused(raw_session: zenoh.Session,
     reply = ask(raw_session, key)
     assert reply.err is not None
     assert ErrorMessage.decode(reply.err.payload.to_bytes()).code in ("malformed", "invalid_value")
+
+
+def test_a_recording_of_version_1_is_told_what_to_send(raw_session: zenoh.Session) -> None:
+    old = {"task": "squat", "axes": ["com.z"], "parameters": {}, "laps": []}
+    reply = ask(raw_session, record_key(ROBOT), json.dumps(old).encode())
+    assert reply.err is not None
+    # as a client of version 1 reads it
+    body = json.loads(reply.err.payload.to_bytes())
+    assert body.keys() == {"code", "message"}
+    assert body["code"] == "version"
+    assert "tsd.record/2" in body["message"]
+
+
+def test_a_query_without_a_context_names_the_newest_and_counts_the_others(
+    learner: RemoteLearner,
+) -> None:
+    elsewhere = Context("beef", "abcd", "c0ffee")
+    made = recording_of(0.033)
+    made = replace(made, key=replace(made.key, context=elsewhere))
+    entry, _ = learner.record(made)
+    try:
+        message = learner.query_message("squat", robot=ROBOT, amplitude=0.033)
+        assert message.context.context() == elsewhere
+        assert (message.others, message.instance > 0) == (4, True)
+        assert message.declaration is not None
+        found = learner.query("squat", robot=ROBOT, context=CONTEXT, amplitude=0.033)
+        assert (found.kind, found.provenance["others"]) == ("generalised", 1)
+        place = learner.suggest(
+            "squat", robot=ROBOT, region={"amplitude": (0.02, 0.08)}, context=CONTEXT
+        )
+        assert place.standard_deviation is not None
+        (only,) = [each for each in learner.entries(ROBOT) if each.entry == entry.entry]
+        assert only.context.context() == elsewhere
+    finally:
+        learner.forget(entry.entry)
+
+
+def test_an_entry_for_fewer_axes_serves_a_run_of_more(learner: RemoteLearner) -> None:
+    found = learner.query("squat", robot=ROBOT, axes=("com.x", "com.z"), amplitude=0.04)
+    assert (found.kind, found.axes, found.provenance["axes"]) == ("learned", ("com.z",), ["com.z"])
 
 
 def test_unknown_key_is_refused(raw_session: zenoh.Session) -> None:
@@ -275,6 +338,7 @@ def test_a_refusal_is_the_same_error_here_and_there(
         local.query(motion, robot=ROBOT, frequency=0.25, **options)
     assert type(there.value) is type(here.value) is kind
     assert str(there.value) == str(here.value)
+    assert vars(there.value) == vars(here.value)
 
 
 def test_extrapolation_on_request(learner: RemoteLearner) -> None:
@@ -299,7 +363,6 @@ def test_stable_learning_over_the_network_is_that_of_a_local_database(
                 recording_of(0.035, rms_error),
                 applied=applied,
                 laps=[lap],
-                context=Context("abc", "def", {"P": [50.0], "D": [14.0]}, "test"),
             )
             there, _ = learner.record(made, Instruction(find_rule("stable")))
             here, _ = database.record(made, Instruction(find_rule("stable")))
