@@ -15,6 +15,7 @@ class RuleChoice(StrEnum):
     GUARDED = "guarded"
     PLAIN = "plain"
     STABLE = "stable"
+    ADAPTIVE = "adaptive"
 
 
 class FirstChoice(StrEnum):
@@ -45,7 +46,8 @@ class LearningOptions:
             help="plain: the paper's sum. guarded: the same, never going on from what proved "
             "worse. stable: guarded, with phase lead and bandwidth from the response that the "
             "repetitions show, so that lag and delay let nothing grow; prints by harmonic what "
-            "an iteration leaves of the error.",
+            "an iteration leaves of the error. adaptive: stable, going by how much of the last "
+            "change arrived; for joints in which friction takes most of it.",
         ),
     ] = RuleChoice.GUARDED
     patience: Annotated[
@@ -55,7 +57,7 @@ class LearningOptions:
             metavar="N",
             min=1,
             help="Stop after so many iterations in a row without a smaller error. Default: "
-            "3 with --rule stable, else never.",
+            "3 with --rule stable or adaptive, else never.",
         ),
     ] = None
     first: Annotated[
