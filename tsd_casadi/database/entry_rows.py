@@ -38,8 +38,8 @@ class EntryRows:
         """
         rows = self._file.execute(
             f"SELECT {', '.join(EntryRow.model_fields)} FROM entry "
-            "WHERE (?1 IS NULL OR robot = ?1) AND (?2 IS NULL OR task = ?2) ORDER BY id",
-            (robot, motion),
+            "WHERE (? IS NULL OR robot = ?) AND (? IS NULL OR task = ?) ORDER BY id",
+            (robot, robot, motion, motion),
         )
         return [self._entry(row) for row in rows]
 
