@@ -43,8 +43,10 @@ def test_learning_takes_away_the_true_error(
 ) -> None:
     errors = {}
     for name, compensators in (("without", []), ("with", [CenterOfMassShift(correction)])):
-        database = Database(tmp_path / f"{name}.sqlite")
-        runs = learn(simulator, controller, [SQUAT], database, laps=2, compensators=compensators)
+        with Database(tmp_path / f"{name}.sqlite") as database:
+            runs = learn(
+                simulator, controller, [SQUAT], database, laps=2, compensators=compensators
+            )
         errors[name] = runs[-1].true_rms_error
         # what the controller sees is small either way
         assert runs[-1].rms_error < 0.1 * runs[0].rms_error
