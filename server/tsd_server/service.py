@@ -23,7 +23,7 @@ from tsd_server.stop_signals import StopSignals
 JSON = zenoh.Encoding.APPLICATION_JSON
 WAITING_QUERIES = 64
 # how long closing may take: a client that is frozen with a full pipe blocks it [s]
-CLOSING = 1.0
+CLOSING = 0.7
 
 Answer = Callable[[zenoh.Query], None]
 

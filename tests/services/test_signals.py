@@ -9,13 +9,14 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import tsd_casadi as tsd
+from tsd_casadi.exceptions import ServiceUnreachable
 from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_server.service_process import free_endpoint
 
@@ -218,6 +219,14 @@ def test_a_service_that_compiles_says_so_and_takes_its_compiler_along(
     assert list(cache.iterdir()) == []
 
 
+def patient_learner(endpoint: str) -> RemoteLearner:
+    """A client of a service that cannot say when it is ready."""
+    for _ in range(10):
+        with suppress(ServiceUnreachable):
+            return RemoteLearner([endpoint])
+    raise AssertionError("no learner came up")
+
+
 def test_nobody_who_reads_is_no_reason_to_stop(tmp_path: Path) -> None:
     reader, writer = os.pipe()
     os.close(reader)
@@ -225,6 +234,6 @@ def test_nobody_who_reads_is_no_reason_to_stop(tmp_path: Path) -> None:
     arguments = ["--database", str(tmp_path / "a.sqlite"), "--listen", endpoint]
     with python("-m", "tsd_server", "learner", *arguments, stdout=writer) as process:
         os.close(writer)
-        with RemoteLearner([endpoint]) as learner:
+        with patient_learner(endpoint) as learner:
             assert learner.database().entries == []
         assert end(process, signal.SIGTERM) == (0, "")

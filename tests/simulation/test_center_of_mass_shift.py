@@ -43,16 +43,16 @@ def test_learning_takes_away_the_true_error(
 ) -> None:
     errors = {}
     for name, compensators in (("without", []), ("with", [CenterOfMassShift(correction)])):
-        database = Database(tmp_path / f"{name}.sqlite")
-        runs = learn(
-            simulator,
-            controller,
-            [SQUAT],
-            database,
-            axes=("com.z",),
-            laps=2,
-            compensators=compensators,
-        )
+        with Database(tmp_path / f"{name}.sqlite") as database:
+            runs = learn(
+                simulator,
+                controller,
+                [SQUAT],
+                database,
+                axes=("com.z",),
+                laps=2,
+                compensators=compensators,
+            )
         errors[name] = runs[-1].errors["com.z"].true_rms
         # what the controller sees is small either way
         first, last = (runs[index].errors["com.z"].rms for index in (0, -1))

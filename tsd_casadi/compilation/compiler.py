@@ -19,6 +19,8 @@ COMPILERS = ("cc", "gcc", "clang")
 FLAGS = ("-O3", "-march=native", "-std=gnu11", "-fPIC", "-shared", "-fno-math-errno")
 # how often to look whether a signal came while the compiler runs [s]
 GLANCE = 0.1
+# how long a busy machine may take to take away the memory of what was killed [s]
+DYING = 0.7
 
 
 def find_compiler() -> str:
@@ -119,6 +121,8 @@ def compile_library(sources: Mapping[str, str], build: Path, came: Sequence[int]
         except BaseException:
             with suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)
+            with suppress(subprocess.TimeoutExpired):
+                process.communicate(timeout=DYING)  # until the last one let go of the pipe
             raise
     if process.returncode != 0 or not built.is_file():
         raise CompilationFailed(command, output)

@@ -77,9 +77,9 @@ class EntryRows:
         """
         rows = self._select(
             "entry",
-            f"(?1 IS NULL OR robot = ?1) AND (?2 IS NULL OR motion = ?2) AND {_NOT_FORGOTTEN} "
+            f"(? IS NULL OR robot = ?) AND (? IS NULL OR motion = ?) AND {_NOT_FORGOTTEN} "
             "ORDER BY id",
-            (robot, motion),
+            (robot, robot, motion, motion),
         )
         entries, damaged = [], []
         for row in rows:

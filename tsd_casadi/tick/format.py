@@ -56,7 +56,7 @@ class TickFormat:
     reply: Layout
 
     def summary(self) -> str:
-        """Name the robot and the sizes: 'its name: 17 joints, 80 rows, ...'."""
+        """Name the robot and the sizes: 'my_robot: 17 joints, 80 rows, ...'."""
         return (
             f"{self.robot}: {len(self.joints)} joints, {len(self.row_names)} rows, request of "
             f"{self.request.size} and reply of {self.reply.size} float64"
