@@ -165,9 +165,9 @@ class EntryRows:
         """Read the newest row of each iteration."""
         return self._select(
             "iteration",
-            "entry = ?1 AND (number, event) IN (SELECT number, max(event) FROM iteration "
-            "WHERE entry = ?1 GROUP BY number) ORDER BY number",
-            (identifier,),
+            "entry = ? AND (number, event) IN (SELECT number, max(event) FROM iteration "
+            "WHERE entry = ? GROUP BY number) ORDER BY number",
+            (identifier, identifier),
         )
 
     def _select(
