@@ -52,12 +52,12 @@ def range_of(robot: Robot, kind: type[Motion], item: Parameter) -> tuple[float, 
         return part.ranges[item.name]
     if item.name == "frequency":
         return max(item.low, FREQUENCIES[0]), min(item.high, FREQUENCIES[1])
-    if item.extent:
-        return item.low, min(item.high, _farthest(robot, kind, item.name, 1.0))
-    if item.place:
-        ends = [_farthest(robot, kind, item.name, sign) for sign in (-1.0, 1.0)]
-        return max(item.low, -ends[0]), min(item.high, ends[1])
-    return item.low, item.high
+    if not item.extent and not item.place:
+        return item.low, item.high
+    high = min(item.high, _farthest(robot, kind, item.name, 1.0))
+    if item.low >= 0:
+        return item.low, high
+    return max(item.low, -_farthest(robot, kind, item.name, -1.0)), high
 
 
 def check_motion(robot: Robot, motion: Motion) -> None:
