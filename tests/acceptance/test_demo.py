@@ -16,9 +16,9 @@ from tsd_experiments.harness import services
 from tsd_server.service_process import ServiceProcess
 
 FIELDS = {
-    "label", "task", "amplitude_m", "frequency_hz", "model_error", "p_scale", "feedforward",
-    "iteration", "transport", "seed", "rms_error_m", "peak_error_m", "ac_rms_error_m",
-    "true_rms_error_m", "mean_abs_feedback", "fell", "ticks", "tick_us",
+    "label", "motion", "axes", "errors", "amplitude_m", "frequency_hz", "model_error", "p_scale",
+    "feedforward", "iteration", "transport", "seed", "rms_error_m", "peak_error_m",
+    "ac_rms_error_m", "true_rms_error_m", "mean_abs_feedback", "fell", "ticks", "tick_us",
 }  # fmt: skip
 
 
@@ -38,7 +38,15 @@ def check_summary(out: Path) -> None:
     for run in summary["runs"]:
         log = np.load(out / "logs" / f"{file_name(run['label'])}.npz")
         error = log["error"][log["measured"]]
-        assert np.sqrt(np.mean(error**2)) == pytest.approx(run["rms_error_m"])
+        assert error.shape[1] == len(run["axes"])
+        for place, axis in enumerate(run["axes"]):
+            rms = np.sqrt(np.mean(error[:, place] ** 2))
+            assert rms == pytest.approx(run["errors"][axis]["rms"])
+        assert run["errors"]["com.z"]["rms"] == run["rms_error_m"]
+    together = [run for run in summary["runs"] if run["label"].endswith("all axes")]
+    assert [set(run["axes"]) for run in together] == 3 * [{"com.x", "com.y", "com.z"}]
+    others = [run for run in summary["runs"] if run not in together]
+    assert all(run["axes"] == ["com.z"] for run in others)
     for figure in ("com_error.png", "feedback.png", "generalization.png"):
         assert (out / figure).stat().st_size > 10_000
 
@@ -71,7 +79,11 @@ def test_demo_reaches_its_goals(tmp_path: Path) -> None:
     generalized = runs["5 cm, generalised"]["ac_rms_error_m"]
     assert generalized <= 1.5 * runs["5 cm, learned, iteration 2"]["ac_rms_error_m"]
     assert generalized <= 0.3 * runs["5 cm, nearest entry as it is"]["ac_rms_error_m"]
-    assert runs["3 cm, perfect model, none"]["rms_error_m"] < 2e-5
+    assert runs["3 cm, perfect model, none"]["rms_error_m"] < 2e-6
+    together = [runs[f"3 cm, {name}, all axes"] for name in ("none", "learned, iteration 2")]
+    for axis in ("com.x", "com.z"):
+        before, after = (run["errors"][axis]["rms"] for run in together)
+        assert before >= 500 * after
 
 
 def test_short_demo(tmp_path: Path) -> None:
