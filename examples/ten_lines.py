@@ -26,4 +26,4 @@ with tempfile.TemporaryDirectory() as folder, tsd.Database(f"{folder}/squat.sqli
 
 for name, chosen in (("without", None), (feedforward.kind, feedforward)):
     run = simulator.run(controller, tsd.Squat(queried, 0.25), feedforward=chosen)
-    print(f"{name:12s} RMS error {1e3 * run.rms_error:8.4f} mm")
+    print(f"{name:12s} RMS error {1e3 * run.errors['com.z'].rms:8.4f} mm")

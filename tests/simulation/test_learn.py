@@ -499,3 +499,20 @@ def test_an_entry_of_one_axis_is_asked_for_along_more_and_it_is_said(
     assert any(re.search(r"nothing was learned along .*com\.x, com\.y", note) for note in notes)
     assert runs[0].log["feedforward"][:, 0].any()
     assert not runs[0].log["feedforward"][:, 1:].any()
+
+
+def test_what_cannot_be_learned_away_is_half_a_steps_damping_unless_the_plant_says_when(
+    robot: Robot, controller: Controller, tmp_path: Path
+) -> None:
+    """D (dt / 2) xdd / P, where positions and velocities are taken for simultaneous."""
+    perfect, sway = MujocoSimulator(robot), Sway(0.04, 0.25)
+    left = {}
+    for name, velocity_time in (("told", perfect.velocity_time), ("untold", 0.0)):
+        perfect.velocity_time = velocity_time
+        with Database(tmp_path / f"{name}.sqlite") as database:
+            runs = learn(perfect, controller, [sway], database, axes=("com.y",), laps=2)
+        left[name] = runs[-1].errors["com.y"].rms
+    (P,), (D,) = runs[-1].gains["P"], runs[-1].gains["D"]
+    acceleration = 0.04 * (2 * np.pi * 0.25) ** 2 / np.sqrt(2)
+    assert left["untold"] == pytest.approx(D * 0.5e-3 * acceleration / P, rel=0.1)
+    assert left["told"] < 1e-6
