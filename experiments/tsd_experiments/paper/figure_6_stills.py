@@ -30,7 +30,7 @@ def film(robot: Robot, controller: WholeBodyController, case: dict[str, Any]) ->
 
     Returns:
         A row 'lap' with 'robot_file' and the run's summary; arrays 'q' (N, nq),
-        'time' [s] and 'com_z' [m] of the lap at ``RATE``.
+        'time' [s] and 'com_z' from the motion's middle [m] of the lap at ``RATE``.
     """
     used = Case.of(case)
     learned = learn_case(robot, controller, case, rule="plain", iterations=1)

@@ -49,7 +49,7 @@ def draw_tracking(curves: Sequence[Curve], title: str) -> Any:
     low, high = top.get_ylim()
     top.set_ylim(low, high + 0.25 * (high - low))  # room for the legend
     top.legend(loc="upper center", fontsize=8, ncols=4)
-    top.set(ylabel=f"{name_of(curves[0].axis)} [{unit}]", title=title)
+    top.set(ylabel=f"{name_of(curves[0].axis)} about its middle [{unit}]", title=title)
     middle.set_ylabel(f"error [m{unit}]")
     bound = 2e3 * max(curve.peak_error or 0.0 for curve in curves[1:])
     bottom.set(ylabel=f"error, close [m{unit}]", ylim=(-bound, bound), xlabel="time [s]")
