@@ -11,16 +11,22 @@ from hypothesis import strategies as st
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import IncompatibleEntry
+from tsd_casadi.learning.axis_error import AxisError
+from tsd_casadi.learning.circumstances import Circumstances
+from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.instruction import Instruction
 from tsd_casadi.learning.iteration import Iteration
-from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.recording import Recording
 from tsd_casadi.learning.rules.by_name import find_rule
 
 BASIS = PeriodicBasis()
-KEY = EntryKey.of("hermes_lower", "squat", ("com.z",), {"amplitude": 0.03, "frequency": 0.25})
-CONTEXT = Context("00ff", "abcd", {"P": [50.0], "D": [14.0]}, "0.1.0")
+CONTEXT = Context("00ff", "abcd")
+KEY = EntryKey.of(
+    "hermes_lower", "squat", "1", ("com.z",), {"amplitude": 0.03, "frequency": 0.25}, CONTEXT
+)
+MADE = Circumstances({"P": [50.0], "D": [14.0]}, {"hardware": "ideal"}, "0.1.0")
 PHASE = np.pi + np.linspace(0, 2 * np.pi, 100, endpoint=False)
 NOTHING = np.zeros((1, BASIS.L))
 
@@ -34,8 +40,8 @@ def recording(
         "basis": BASIS,
         "applied": applied,
         "laps": [Lap(PHASE, np.full((1, 100), feedback))] * 2,
-        "errors": {"rms_error_m": error, "ac_rms_error_m": error / 10},
-        "context": CONTEXT,
+        "errors": {"com.z": AxisError(error, ac_rms=error / 10)},
+        "circumstances": MADE,
     }
     return Recording(**{**made, **changes})
 
@@ -45,7 +51,7 @@ def told(rule: str = "guarded", **changes: bool) -> Instruction:
 
 
 def empty_entry() -> Entry:
-    return Entry(KEY, BASIS, CONTEXT)
+    return Entry(KEY, BASIS, MADE)
 
 
 def entry_after(*errors: float, rule: str = "guarded") -> Entry:
@@ -66,7 +72,7 @@ def test_first_recording_is_iteration_zero_and_makes_iteration_one() -> None:
     notes = entry.add(recording(error=2e-3, feedback=0.5))
     assert notes == []
     assert numbers(entry) == [0, 1]
-    assert entry.iterations[0].errors == {"rms_error_m": 2e-3, "ac_rms_error_m": 2e-4}
+    assert entry.iterations[0].errors == {"com.z": AxisError(2e-3, ac_rms=2e-4)}
     assert not entry.iterations[0].weights.any()
     assert entry.iterations[1].errors is None
     np.testing.assert_allclose(entry.iterations[1].weights, 0.5, atol=1e-7)
@@ -159,7 +165,7 @@ def test_without_update_only_the_errors_are_noted() -> None:
     entry.add(recording(entry.served.weights, 1e-3), told(update=False))
     assert numbers(entry) == [0, 1]
     assert entry.served.number == 1
-    assert entry.served.errors == {"rms_error_m": 1e-3, "ac_rms_error_m": 1e-4}
+    assert entry.served.errors == {"com.z": AxisError(1e-3, ac_rms=1e-4)}
 
 
 def test_without_update_a_worse_one_still_gives_way_to_the_best() -> None:
@@ -193,7 +199,7 @@ def test_repeating_an_iteration_replaces_its_errors() -> None:
     used = entry.iterations[1].weights
     entry.add(recording(used, 0.5e-3), told(update=False))
     assert numbers(entry) == [0, 1, 2]
-    assert entry.iterations[1].error == 0.5e-3
+    assert entry.iterations[1].error == pytest.approx(50.0 * 0.5e-3)
 
 
 @given(st.lists(st.floats(1e-6, 1e-1), min_size=1, max_size=10))
@@ -236,48 +242,49 @@ def test_another_basis_is_refused() -> None:
         entry.add(recording(basis=PeriodicBasis(25, 60.0)))
 
 
-def test_another_formulation_is_refused() -> None:
+@pytest.mark.parametrize("part", ["robot", "motion", "version", "context"])
+def test_a_recording_of_another_key_is_refused(part: str) -> None:
     entry = entry_after(1e-3)
-    with pytest.raises(IncompatibleEntry, match=r"formulation 00ff.*0100.*restart"):
-        entry.add(recording(context=replace(CONTEXT, formulation="0100")))
+    value = Context("00ff", "0100") if part == "context" else "other"
+    with pytest.raises(IncompatibleEntry, match=r"another robot, motion, .* or context"):
+        entry.add(recording(key=replace(KEY, **{part: value})))
 
 
 def test_a_refused_recording_changes_nothing() -> None:
     entry = entry_after(1e-3)
-    before = (numbers(entry), entry.context, entry.rule, entry.served.number)
+    before = (numbers(entry), entry.circumstances, entry.rule, entry.served.number)
     for changes in (
-        {"context": replace(CONTEXT, formulation="0100")},
+        {"key": replace(KEY, context=Context("00ff", "0100"))},
         {"basis": PeriodicBasis(25, 60.0)},
     ):
         with pytest.raises(IncompatibleEntry):
             entry.add(recording(entry.served.weights, **changes), told("plain"))
-    assert (numbers(entry), entry.context, entry.rule, entry.served.number) == before
+    assert (numbers(entry), entry.circumstances, entry.rule, entry.served.number) == before
 
 
 def test_other_gains_are_reported_and_taken() -> None:
     entry = entry_after(1e-3)
-    other = replace(CONTEXT, gains={"P": [25.0], "D": [14.0]})
-    (note,) = entry.add(recording(entry.served.weights, 0.5e-3, context=other))
+    other = replace(MADE, gains={"P": [25.0], "D": [14.0]})
+    (note,) = entry.add(recording(entry.served.weights, 0.5e-3, circumstances=other))
     assert "gains differ" in note
     assert "25.0" in note
     assert "50.0" in note
-    assert entry.context == other
+    assert entry.circumstances == other
     assert entry.served.number == 2
 
 
-def test_another_model_is_reported_and_taken() -> None:
+def test_another_setting_is_taken() -> None:
     entry = entry_after(1e-3)
-    other = replace(CONTEXT, model="beef")
-    (note,) = entry.add(recording(entry.served.weights, 0.5e-3, context=other))
-    assert "beef" in note
-    assert "abcd" in note
-    assert entry.context.model == "beef"
+    other = replace(MADE, setting={"hardware": "all"})
+    assert entry.add(recording(entry.served.weights, 0.5e-3, circumstances=other)) == []
+    assert entry.circumstances.setting == {"hardware": "all"}
+    assert entry.iterations[0].circumstances == MADE
 
 
 def test_another_version_of_the_software_is_no_reason_for_a_remark() -> None:
     entry = entry_after(1e-3)
-    other = replace(CONTEXT, version="9.9")
-    assert entry.add(recording(entry.served.weights, 0.5e-3, context=other)) == []
+    other = replace(MADE, version="9.9")
+    assert entry.add(recording(entry.served.weights, 0.5e-3, circumstances=other)) == []
 
 
 def test_feedforward_says_where_it_comes_from() -> None:
@@ -288,14 +295,16 @@ def test_feedforward_says_where_it_comes_from() -> None:
     assert untested.parameters == {"amplitude": 0.03, "frequency": 0.25}
     assert untested.provenance["tested"] is False
     assert untested.provenance["entries"] == [7]
-    assert untested.provenance["gains"] == CONTEXT.gains
-    assert untested.provenance["formulation"] == "00ff"
+    assert untested.provenance["gains"] == MADE.gains
+    context = {"body": "00ff", "formulation": "abcd", "correction": ""}
+    assert untested.provenance["context"] == context
+    assert untested.provenance["axes"] == ["com.z"]
     np.testing.assert_array_equal(untested.weights, entry.iterations[2].weights)
     assert not untested.standard_deviations.any()
     entry.add(recording(entry.served.weights, 0.5e-3), told(update=False))
     tested = entry.feedforward()
     assert tested.provenance["tested"] is True
-    assert tested.provenance["errors"]["rms_error_m"] == 0.5e-3
+    assert tested.provenance["errors"] == {"com.z": {"rms": 0.5e-3, "ac_rms": 0.5e-4, "unit": "m"}}
 
 
 def test_an_untested_iteration_has_an_infinite_error() -> None:
@@ -303,19 +312,28 @@ def test_an_untested_iteration_has_an_infinite_error() -> None:
 
 
 def test_key_rounds_and_sorts_its_parameters() -> None:
-    one = EntryKey.of("r", "squat", ("com.z",), {"frequency": 0.25, "amplitude": 0.03 + 4e-7})
-    other = EntryKey.of("r", "squat", ("com.z",), {"amplitude": 0.03, "frequency": 0.25 - 4e-7})
-    assert one == other
-    assert one != EntryKey.of("r", "squat", ("com.z",), {"amplitude": 0.030002, "frequency": 0.25})
-    assert one != EntryKey.of("r", "squat", ("com.x",), dict(one.parameters))
-    assert one != EntryKey.of("other", "squat", ("com.z",), dict(one.parameters))
+    def key(amplitude: float, frequency: float, **changes: Any) -> EntryKey:
+        parameters = {"frequency": frequency, "amplitude": amplitude}
+        return replace(EntryKey.of("r", "squat", "1", ("com.z",), parameters), **changes)
+
+    one = key(0.03 + 4e-7, 0.25)
+    assert one == key(0.03, 0.25 - 4e-7)
+    assert one != key(0.030002, 0.25)
+    for changes in (
+        {"axes": ("com.x",)},
+        {"robot": "other"},
+        {"motion": "sway"},
+        {"version": "2"},
+        {"context": CONTEXT},
+    ):
+        assert one != replace(one, **changes)  # type: ignore[arg-type]
     assert one.describe() == "squat amplitude=0.03 frequency=0.25 on r"
 
 
 def test_a_larger_error_at_lower_gains_is_not_taken_for_worse_weights() -> None:
     entry = entry_after(15e-3, 0.5e-3, 0.1e-3)
-    lower = replace(CONTEXT, gains={"P": [12.5], "D": [14.0]})
-    entry.add(recording(entry.served.weights, 0.4e-3, context=lower))
+    lower = replace(MADE, gains={"P": [12.5], "D": [14.0]})
+    entry.add(recording(entry.served.weights, 0.4e-3, circumstances=lower))
     assert entry.learning_gain == 1.0
 
 
@@ -382,8 +400,8 @@ def test_observed_does_not_need_position_errors() -> None:
 
 def test_tests_at_other_gains_are_not_compared() -> None:
     entry = stable_entry(4e-3)
-    softer = replace(CONTEXT, gains={"P": [25.0], "D": [10.0]})
-    entry.add(stable_recording(entry.served.weights, 2e-3, context=softer), told("stable"))
+    softer = replace(MADE, gains={"P": [25.0], "D": [10.0]})
+    entry.add(stable_recording(entry.served.weights, 2e-3, circumstances=softer), told("stable"))
     assert entry.observed_contractions() is None
     assert entry.contractions[0].observed == (None,) * 13
 
@@ -394,15 +412,25 @@ def test_nothing_is_known_of_an_empty_entry() -> None:
 
 
 def test_the_account_names_each_axis() -> None:
-    key = EntryKey.of("r", "squat", ("com.x", "com.z"), dict(KEY.parameters))
-    context = replace(CONTEXT, gains={"P": [50.0, 20.0], "D": [14.0, 9.0]})
-    entry, twice = Entry(key, BASIS, context), np.vstack([WAVE, WAVE])
+    key = EntryKey.of("r", "squat", "1", ("com.x", "com.z"), dict(KEY.parameters))
+    both = replace(MADE, gains={"P": [50.0, 20.0], "D": [14.0, 9.0]})
+    entry, twice = Entry(key, BASIS, both), np.vstack([WAVE, WAVE])
     laps = [Lap(PHASE, twice, twice / 100, twice / 20)]
-    made = recording(np.zeros((2, BASIS.L)), laps=laps, context=context, key=key)
+    errors = {axis: AxisError(1e-3) for axis in key.axes}
+    made = recording(np.zeros((2, BASIS.L)), laps=laps, circumstances=both, key=key, errors=errors)
     entry.add(made, told("stable"))
     assert [account.axis for account in entry.contractions] == ["com.x", "com.z"]
     stiff, soft = entry.contractions
     assert stiff.plain[1] < soft.plain[1]
+
+
+def test_stiff_axes_count_as_the_feedback_counts_them() -> None:
+    made_so = Circumstances({"P": [100.0, 25.0], "D": [20.0, 10.0]})
+    errors = {"com.z": AxisError(1e-3), "torso.rz": AxisError(4e-3)}
+    both = Iteration(1, np.zeros((2, 3)), errors=errors, circumstances=made_so)
+    assert both.error == pytest.approx(0.1)
+    unknown = Iteration(1, np.zeros((2, 3)), errors=errors)
+    assert unknown.error == pytest.approx(np.sqrt((1e-6 + 16e-6) / 2))
 
 
 def test_plain_learning_is_accounted_for_as_well() -> None:
@@ -429,8 +457,8 @@ def test_noise_at_the_floor_does_not_slow_learning_down_for_ever() -> None:
 
 def test_a_test_without_positions_forgets_those_of_before() -> None:
     entry = stable_entry(4e-3)
-    softer = replace(CONTEXT, gains={"P": [25.0], "D": [10.0]})
-    entry.add(recording(NOTHING, 3e-3, context=softer))
+    softer = replace(MADE, gains={"P": [25.0], "D": [10.0]})
+    entry.add(recording(NOTHING, 3e-3, circumstances=softer))
     assert entry.iterations[0].error_weights is None
     assert entry.filters() == ()
 

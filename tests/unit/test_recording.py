@@ -9,25 +9,27 @@ import pytest
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.learning.axis_error import AxisError
+from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.entry_key import EntryKey
-from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.recording import Recording
 
 BASIS = PeriodicBasis()
 PHASE = np.linspace(0, 2 * np.pi, 100, endpoint=False)
 WAVE = np.sin(PHASE)[None, :]
 BARE, WHOLE = Lap(PHASE, WAVE), Lap(PHASE, WAVE, WAVE / 100, WAVE / 20)
 HALF = replace(WHOLE, reference=None)
-CONTEXT = Context("00ff", "abcd", {"P": [50.0], "D": [14.0]}, "0.1.0")
+MADE = Circumstances({"P": [50.0], "D": [14.0]}, {}, "0.1.0")
 
 
 def recording(**changes: Any) -> Recording:
     made = Recording(
-        key=EntryKey.of("r", "squat", ("com.z",), {"amplitude": 0.03, "frequency": 0.25}),
+        key=EntryKey.of("r", "squat", "1", ("com.z",), {"amplitude": 0.03, "frequency": 0.25}),
         basis=BASIS,
         applied=np.zeros((1, BASIS.L)),
         laps=[WHOLE],
-        errors={"rms_error_m": 1e-3},
-        context=CONTEXT,
+        errors={"com.z": AxisError(1e-3)},
+        circumstances=MADE,
     )
     return replace(made, **changes)
 
@@ -66,3 +68,19 @@ def test_numbers_that_are_not_finite_are_refused(name: str) -> None:
     spoilt[..., 3] = np.nan
     with pytest.raises(InvalidValue, match="lap 1 is not finite"):
         recording(laps=[WHOLE, replace(WHOLE, **{name: spoilt})])
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"errors": {}}, "errors is of no axis, expected of com.z"),
+        ({"errors": {"com.x": AxisError(1e-3)}}, "errors is of com.x, expected of com.z"),
+        ({"errors": {"com.z": AxisError(np.nan)}}, "RMS error of com.z is nan"),
+        ({"errors": {"com.z": AxisError(-1.0)}}, "RMS error of com.z is -1.0"),
+        ({"circumstances": Circumstances({"P": [1.0, 2.0]})}, "P is .* for each of com.z"),
+        ({"circumstances": Circumstances({"D": [np.inf]})}, "D is .* for each of com.z"),
+    ],
+)
+def test_errors_and_gains_are_of_the_axes(changes: dict[str, Any], expected: str) -> None:
+    with pytest.raises(InvalidValue, match=expected):
+        recording(**changes)

@@ -11,10 +11,12 @@ import pytest
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.learning.axis_error import AxisError
+from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.iteration import FittedRepetition, Iteration
 from tsd_casadi.learning.iterative_learning import update_stably
-from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.recording import Recording
 from tsd_casadi.learning.rules.by_name import RULES, find_rule
 from tsd_casadi.learning.rules.guarded import Guarded
 from tsd_casadi.learning.rules.plain import Plain
@@ -26,9 +28,9 @@ PHASE = np.linspace(0, 2 * np.pi, 100, endpoint=False)
 WAVE = np.sin(PHASE)[None, :]
 BARE, WHOLE = Lap(PHASE, WAVE), Lap(PHASE, WAVE, WAVE / 100, WAVE / 20)
 GAINS: dict[str, Any] = {"P": [50.0], "D": [14.0]}
-CONTEXT = Context("00ff", "abcd", GAINS, "0.1.0")
-KEY = EntryKey.of("r", "squat", ("com.z",), {"amplitude": 0.03, "frequency": 0.25})
-JUMP = EntryKey.of("r", "jump", ("com.z",), {"depth": 1.0})
+MADE = Circumstances(GAINS)
+KEY = EntryKey.of("r", "squat", "1", ("com.z",), {"amplitude": 0.03, "frequency": 0.25})
+JUMP = EntryKey.of("r", "jump", "1", ("com.z",), {"depth": 1.0})
 FEEDBACK = np.full((1, BASIS.L), 0.4)
 
 every_rule = pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
@@ -41,8 +43,8 @@ def recording(**changes: Any) -> Recording:
         basis=BASIS,
         applied=np.zeros((1, BASIS.L)),
         laps=[WHOLE],
-        errors={"rms_error_m": 1e-3},
-        context=CONTEXT,
+        errors={"com.z": AxisError(1e-3)},
+        circumstances=MADE,
     )
     return replace(made, **changes)
 
@@ -53,8 +55,8 @@ def iteration(number: int, error: float, level: float = 0.0) -> Iteration:
     return Iteration(
         number,
         np.full((1, BASIS.L), level),
-        errors={"rms_error_m": error},
-        gains=GAINS,
+        errors={"com.z": AxisError(error)},
+        circumstances=MADE,
         feedback=FEEDBACK,
         error_weights=position_error,
         reference_weights=BASIS.fit(PHASE, 0.03 * WAVE),
@@ -170,7 +172,7 @@ def test_whole_laps_do_for_every_rule(rule: Rule) -> None:
 
 @pytest.mark.parametrize("rule", [Plain(), Guarded()])
 def test_the_sum_needs_neither_errors_nor_frequency_nor_gains(rule: Rule) -> None:
-    rule.check(recording(laps=[BARE], key=JUMP, context=replace(CONTEXT, gains={})))
+    rule.check(recording(laps=[BARE], key=JUMP, circumstances=replace(MADE, gains={})))
 
 
 @pytest.mark.parametrize("laps", [[BARE], [WHOLE, BARE], [replace(WHOLE, reference=None)]])
@@ -182,7 +184,7 @@ def test_the_stable_rule_asks_for_errors_and_references(laps: list[Lap]) -> None
 @pytest.mark.parametrize("gains", [{}, {"P": [50.0]}, {"P": [0.0], "D": [14.0]}])
 def test_the_stable_rule_asks_for_gains(gains: dict[str, list[float]]) -> None:
     with pytest.raises(InvalidValue, match=r"frequency, P and D.*com\.z a positive P"):
-        Stable().check(recording(context=replace(CONTEXT, gains=gains)))
+        Stable().check(recording(circumstances=replace(MADE, gains=gains)))
 
 
 def test_the_stable_rule_asks_for_a_frequency() -> None:

@@ -11,13 +11,15 @@ import pytest
 from tsd_casadi.encoding.harmonics import to_harmonics, to_weights
 from tsd_casadi.encoding.laps import Lap, fit_laps
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.learning.axis_error import AxisError
+from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.instruction import Instruction
 from tsd_casadi.learning.iteration import FittedRepetition
 from tsd_casadi.learning.iterative_learning import update_stably, update_weights
 from tsd_casadi.learning.loop_response import estimate_response
-from tsd_casadi.learning.recording import Context, Recording
+from tsd_casadi.learning.recording import Recording
 from tsd_casadi.learning.rules.by_name import find_rule
 
 BASIS = PeriodicBasis()
@@ -106,21 +108,21 @@ class Learning:
         self.plant = plant
         self.gains = {"P": [plant.P], "D": [plant.D]}
         parameters = {"amplitude": plant.amplitude, "frequency": plant.frequency}
-        self.key = EntryKey.of("r", "squat", ("com.z",), parameters)
-        self.entry = Entry(self.key, BASIS, self.context)
+        self.key = EntryKey.of("r", "squat", "1", ("com.z",), parameters)
+        self.entry = Entry(self.key, BASIS, self.circumstances)
         self.errors: list[float] = []
         self.laps: list[Lap] = []
 
     @property
-    def context(self) -> Context:
-        return Context("00ff", "abcd", self.gains, "0.1.0")
+    def circumstances(self) -> Circumstances:
+        return Circumstances(self.gains)
 
     def repeat(self, rule: str, times: int = 1) -> None:
         for _ in range(times):
             weights = self.entry.served.weights if self.entry.iterations else NOTHING
             lap = self.plant.repeat(weights)
-            errors = {"rms_error_m": rms(lap)}
-            recording = Recording(self.key, BASIS, weights, [lap], errors, self.context)
+            errors = {"com.z": AxisError(rms(lap))}
+            recording = Recording(self.key, BASIS, weights, [lap], errors, self.circumstances)
             self.entry.add(recording, Instruction(find_rule(rule)))
             self.errors.append(rms(lap))
             self.laps.append(lap)
@@ -233,9 +235,11 @@ def test_the_learning_gain_comes_back_with_success() -> None:
     learning = Learning(LinearPlant(1.0, 0.03))
     learning.repeat("stable", 2)
     entry = learning.entry
-    worse = {"rms_error_m": 1.0}
+    worse = {"com.z": AxisError(1.0)}
     lap = learning.plant.repeat(entry.served.weights)
-    made = Recording(learning.key, BASIS, entry.served.weights, [lap], worse, learning.context)
+    made = Recording(
+        learning.key, BASIS, entry.served.weights, [lap], worse, learning.circumstances
+    )
     entry.add(made, Instruction(find_rule("stable")))
     assert entry.learning_gain == 0.5
     (account,) = entry.contractions

@@ -13,12 +13,14 @@ from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
 from tsd_casadi.generalization.predictive_deviation import student_factor
 from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.motions.squat import Squat
 
 AMPLITUDES = (0.02, 0.04, 0.06, 0.08)
 FREQUENCIES = (0.2, 0.4, 0.6)
 GRID = tuple((a, f) for a in AMPLITUDES for f in FREQUENCIES)
 NAMES = ("amplitude", "frequency")
 BASIS = PeriodicBasis()
+DECLARATION = Squat.declaration()
 SHAPE = (2, BASIS.L)
 LAP = np.linspace(0, 2 * np.pi, 100, endpoint=False)
 
@@ -46,7 +48,7 @@ def learned(place: tuple[float, ...], seed: int = 0) -> np.ndarray:
 @cache
 def regression_of(places: Places = GRID, seed: int = 0) -> WeightRegression:
     return WeightRegression(
-        "squat",
+        DECLARATION,
         NAMES[: len(places[0])],
         np.array(places),
         [learned(place, seed) for place in places],
@@ -180,7 +182,7 @@ def coverage(entries: int, seed: int) -> float:
     def noisy(place: np.ndarray) -> np.ndarray:
         return learned(tuple(place), seed) + 0.002 * rng.normal(size=SHAPE)
 
-    regression = WeightRegression("squat", NAMES, places, [noisy(p) for p in places], BASIS)
+    regression = WeightRegression(DECLARATION, NAMES, places, [noisy(p) for p in places], BASIS)
     shares = []
     for place in held_out(seed, 20):
         mean, std = regression.predict(at(*place))
@@ -199,7 +201,7 @@ def test_two_standard_deviations_hold_the_held_out_curves(entries: int) -> None:
 
 def test_a_parameter_without_effect_gets_a_long_length_scale() -> None:
     weights = [learned((amplitude, 0.3)) for amplitude, _ in GRID]
-    regression = WeightRegression("squat", NAMES, np.array(GRID), weights, BASIS)
+    regression = WeightRegression(DECLARATION, NAMES, np.array(GRID), weights, BASIS)
     scales = regression.length_scales
     assert scales["frequency"] > 10 * scales["amplitude"]
     one, other = (regression.predict(at(0.05, frequency))[0] for frequency in (0.25, 0.55))
@@ -252,7 +254,7 @@ def test_input_arrays_are_not_changed() -> None:
     weights = [learned(place) for place in GRID]
     inputs = np.array(GRID)
     before = [array.copy() for array in (*weights, inputs)]
-    WeightRegression("squat", NAMES, inputs, weights, BASIS).predict(at(0.05, 0.3))
+    WeightRegression(DECLARATION, NAMES, inputs, weights, BASIS).predict(at(0.05, 0.3))
     for one, other in zip((*weights, inputs), before, strict=True):
         np.testing.assert_array_equal(one, other)
 
@@ -285,7 +287,7 @@ def test_too_few_entries_are_refused(places: Places, least: int) -> None:
 def test_weights_that_never_differ_are_predicted_as_they_are() -> None:
     weights = [np.full(SHAPE, 0.7)] * 3
     inputs = np.array([[0.02], [0.04], [0.06]])
-    regression = WeightRegression("squat", ("amplitude",), inputs, weights, BASIS)
+    regression = WeightRegression(DECLARATION, ("amplitude",), inputs, weights, BASIS)
     mean, std = regression.predict(at(0.05))
     np.testing.assert_allclose(mean, 0.7, atol=1e-12)
     assert np.isfinite(std).all()

@@ -34,9 +34,8 @@ what was expected and what to do about it::
 
 An error that a service answers with arrives at the client as the class that the
 library raises: ``except EntryNotFound`` holds for a local database and for a
-remote learner alike. The wire carries code and message only, so the attributes
-with data are None on such an error; ``str`` of it is the service's message. A
-code without a class here arrives as ``ServiceFailed``.
+remote learner alike, with its data as far as that is plain; ``str`` of it is the
+service's message. A code without a class here arrives as ``ServiceFailed``.
 """
 
 from tsd_casadi.exceptions.base import TsdError, class_of

@@ -110,7 +110,7 @@ class Entry:
 
         Raises:
             InvalidValue: If the recording lacks what the rule needs.
-            IncompatibleEntry: If the basis differs from the entry's.
+            IncompatibleEntry: If key or basis differ from the entry's.
         """
         instruction.rule.check(recording)
         notes = self._compare(recording)
@@ -204,6 +204,11 @@ class Entry:
         return self.iterations[-1]
 
     def _compare(self, recording: Recording) -> list[str]:
+        if recording.key != self.key:
+            raise IncompatibleEntry(
+                f"a recording of {recording.key.describe()} for the entry {self.key.describe()}: "
+                "another robot, motion, version, axes or context; record it as another entry"
+            )
         if recording.basis != self.basis:
             raise IncompatibleEntry(
                 f"the entry {self.key.describe()} has a basis of L = {self.basis.L}, width "
