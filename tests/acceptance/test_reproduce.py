@@ -222,10 +222,8 @@ for motion, axis in (
         "<= 1.1",
         partial(_together_by_alone, motion=motion, axis=axis),
     )
-# what no rule reaches yet
-MISSED = {
-    name for name in ANY_MOTION if "alone" in name or name.startswith("twist, best rule: RMS")
-}
+# what a moved axis needs depends on the height, which is learned at the same time
+MISSED = {name for name in ANY_MOTION if "alone" in name}
 # the order of the entries moves the fit of the process by its tolerance
 TOLERANCE = {"held-out grid, stand-in: predictions inside 2 sigma [%]": 2e-3}
 # not to be met by a test: how long it takes is a matter of the machine
@@ -281,7 +279,7 @@ def test_quick_form_reaches_the_goals_that_it_covers(quick: Path) -> None:
     summary = check_summary(quick)
     rows = [row for row in summary["rows"] if row["id"] not in DURATIONS]
     assert {row["id"] for row in rows if row["met"] is False} == MISSED
-    assert len([row for row in rows if row["met"]]) >= 23
+    assert len([row for row in rows if row["met"]]) >= 25
 
 
 @pytest.mark.long

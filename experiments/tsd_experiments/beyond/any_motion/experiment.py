@@ -25,7 +25,7 @@ SWAYS = {"sway": (0.04, 1), "lean": (0.03, 1), "circle": (0.02, 2)}
 SQUAT = {"amplitude": 0.03, "frequency": FREQUENCY}
 TWIST = {"amplitude": 0.15, "frequency": 0.5}
 SEEDS, QUICK_SEEDS = tuple(range(6)), (1,)
-RULES, QUICK_RULES = ("plain", "guarded", "stable"), ("stable",)
+RULES, QUICK_RULES = ("plain", "stable", "adaptive"), ("stable", "adaptive")
 
 
 class AnyMotion(Experiment):
