@@ -8,19 +8,23 @@ from pathlib import Path
 from tsd_casadi.document import json_schema
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
-from tsd_casadi.motions.parameter import MOTION_PARAMETERS
+from tsd_casadi.motions.parameter import LARGEST
+from tsd_casadi.motions.squat import Squat
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.tick.format import STATUS_MEANING
 from tsd_casadi.tick.layout import Layout
 from tsd_casadi.wire import endpoints, keys
 from tsd_casadi.wire.feedforward import FeedforwardMessage
-from tsd_casadi.wire.learner import RecordMessage, RecordReply
+from tsd_casadi.wire.learner import DatabaseReply, RecordReply
+from tsd_casadi.wire.message import VERSION
+from tsd_casadi.wire.record import RecordMessage
 from tsd_casadi.wire.suggestion import SuggestionMessage
 from tsd_casadi.wire.tick_message import HEADER, HEADER_FIELDS
+from tsd_casadi.wire.tick_message import VERSION as TICK_VERSION
 
 ROBOT = "hermes_lower"
-QUERY = "?task=squat;amplitude=0.05;frequency=0.25"
-REGION = "?task=squat;amplitude=0.02:0.08;frequency=0.2:0.6"
+QUERY = "?motion=squat;amplitude=0.05;frequency=0.25"
+REGION = "?motion=squat;amplitude=0.02:0.08;frequency=0.2:0.6"
 TARGET = Path(__file__).parent / "wire.md"
 
 
@@ -55,16 +59,14 @@ def layout_table(layout: Layout) -> str:
 
 
 def parameter_table() -> str:
-    """Describe the parameters of the motions."""
-    lines = [
-        "| motion (`task`) | parameter | unit | values | if left out |",
-        "| --- | --- | --- | --- | --- |",
-    ]
-    for motion, parameters in MOTION_PARAMETERS.items():
-        for item in parameters:
-            default = "an error" if item.default is None else f"{item.default:g}"
-            values = "positive" if item.positive else "any"
-            lines.append(f"| {motion} | `{item.name}` | {item.unit} | {values} | {default} |")
+    """Describe the parameters of the squat."""
+    lines = ["| parameter | unit | values | if left out |", "| --- | --- | --- | --- |"]
+    for item in Squat.declaration().parameters:
+        default = "an error" if item.default is None else f"{item.default:g}"
+        low = "" if item.low <= -LARGEST else f"from {item.low:g}"
+        high = "" if item.high >= LARGEST else f"to {item.high:g}"
+        values = f"{low} {high}".strip() or "any"
+        lines.append(f"| `{item.name}` | {item.unit} | {values} | {default} |")
     return "\n".join(lines)
 
 
@@ -101,23 +103,57 @@ Services listen on explicit endpoints, by default `{endpoints.CONTROLLER}` (cont
 | key | asks | body |
 | --- | --- | --- |
 | `{keys.tick_key("<robot>")}` | torque for a state and a command | binary, below |
-| `{keys.info_key("<robot>")}` | layouts, limits, counters | JSON `tsd.info/1` |
-| `{keys.feedforward_key("<robot>")}` | `{QUERY}` | JSON `tsd.feedforward/1` |
-| `{keys.suggestion_key("<robot>")}` | `{REGION}` | JSON `tsd.suggestion/1` |
-| `{keys.record_key("<robot>")}` | takes the laps of one repetition | JSON |
-| `{keys.database_key("<robot>")}` | what is known; `?forget=N` removes entry N | JSON |
+| `{keys.info_key("<robot>")}` | layouts, limits, counters | JSON `tsd.info/2` |
+| `{keys.feedforward_key("<robot>")}` | `{QUERY}` | JSON `tsd.feedforward/2` |
+| `{keys.suggestion_key("<robot>")}` | `{REGION}` | JSON `tsd.suggestion/2` |
+| `{keys.record_key("<robot>")}` | takes the laps of one repetition | JSON `tsd.record/2`, \
+answered by `tsd.recorded/2` |
+| `{keys.database_key("<robot>")}` | what is known; `?forget=N` removes entry N \
+| JSON `tsd.database/2` |
 | `{keys.alive_key("<robot>", "<role>")}` | liveliness token | none |
 
-One learner serves every robot: its token is `{keys.alive_key("*", "learner")}`. The feedforward
-query also takes `kind=learned` (the exact entry, an error without one), `kind=generalised`
-(Gaussian process regression over the other entries) and `extrapolate=true`; without `kind` the
-exact entry is taken where there is one.
+One learner serves every robot: its token is `{keys.alive_key("*", "learner")}`.
 
-The parameters of motions in queries and recordings; queries and messages call the motion `task`:
+## Versions
+
+JSON messages are of version {VERSION}, the last word of their field `format`; the tick's header is
+of version {TICK_VERSION}. A JSON message or query of version 1 (`task` in place of `motion`) gets
+the error `version`, in the form of version 1, which says what to send. Fields with a default in the
+schemas below may be left out; among them are those that later versions of this software fill
+(`epoch`, `bands`, `bound`).
+
+## Queries
+
+The selector of a feedforward query names the motion and its parameters, and:
+
+| field | meaning | if left out |
+| --- | --- | --- |
+| `version` | of the motion | that of the newest recording |
+| `axes` | `task.axis` of those wanted, with commas in between | any |
+| `body`, `formulation` | fingerprints of the context, as in `info` \
+| those of the newest recording |
+| `correction` | fingerprint of the estimated centre of mass | none |
+| `kind` | `learned`: the exact entry, an error without one; `generalised`: Gaussian process \
+regression over the other entries | the exact entry where there is one |
+| `extrapolate` | `true`: outside of what was learned too | `false` |
+
+What was learned in another context, another version of the motion or along other axes is another
+entry. An entry for fewer of the axes serves too: `axes` of the reply are those that it knows, the
+others are to be fed nothing forward. The reply names its `context` and counts the entries of
+`others`. Entries of files older than contexts have empty fingerprints: they serve where there is
+none of the context, with a `note` in `provenance`, and take the context of the first recording of
+the same robot, motion, axes and parameters.
+
+Every recording brings the declaration of its motion: the names of the parameters with unit, values
+and default. The newest one recorded counts. That of the squat:
 
 {parameter_table()}
 
-An error is a Zenoh error reply with a JSON body `{{"code": ..., "message": ...}}`:
+## Errors
+
+An error is a Zenoh error reply with a JSON body
+`{{"format": "tsd.error/2", "code": ..., "message": ..., "data": {{...}}}}`; `data` has what the
+message is about by name (`field`, `value` and `expected` for instance), if there is any:
 
 {error_table()}
 
@@ -165,9 +201,9 @@ With the centres c_j, the width h and the weights w of a reply, the feedforward 
 
     f(phi) = sum_j w_j G_j / sum_j G_j,   G_j = exp(h (cos(phi - c_j) - 1))
 
-in m/s^2 along each of `axes`, to be added to the task's reference acceleration. With
-`standard_deviations` in place of the weights it is the predictive standard deviation at phi. JSON
-schema:
+along each of `axes` [unit/s^2], to be added to the task's reference acceleration. Rotations are
+about world axes, as rotation vectors. With `standard_deviations` in place of the weights it is the
+predictive standard deviation at phi. JSON schema:
 
 ```json
 {json_schema(FeedforwardMessage)}
@@ -198,6 +234,14 @@ harmonic (`learning.md` says what that means). JSON schema:
 
 ```json
 {json_schema(RecordReply)}
+```
+
+## What is known
+
+The reply of `database`. JSON schema:
+
+```json
+{json_schema(DatabaseReply)}
 ```
 """
 
