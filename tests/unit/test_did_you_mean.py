@@ -4,7 +4,7 @@ import pytest
 
 from tsd_casadi.exceptions import InvalidValue, UnknownField, UnknownRobot
 from tsd_casadi.exceptions.did_you_mean import did_you_mean
-from tsd_casadi.motions.parameter import complete_parameters
+from tsd_casadi.motions.squat import Squat
 
 NAMES = ["amplitude", "frequency", "height", "com.P", "com.D"]
 
@@ -30,6 +30,6 @@ def test_errors_show_it_beside_what_there_is() -> None:
     )
     assert str(UnknownRobot("hermes", ["hermes_lower"])).endswith("did you mean 'hermes_lower'?")
     with pytest.raises(InvalidValue, match=r"'speed'.*amplitude.*frequency.*default 0$"):
-        complete_parameters("squat", {"speed": 1.0})
+        Squat.declaration().complete({"speed": 1.0})
     with pytest.raises(InvalidValue, match=r"amplitude.*frequency.*did you mean 'frequency'\?$"):
-        complete_parameters("squat", {"frequncy": 1.0})
+        Squat.declaration().complete({"frequncy": 1.0})

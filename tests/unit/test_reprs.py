@@ -37,18 +37,20 @@ def a_run(feedforward: Feedforward, **changes: Any) -> Run:
     values: dict[str, Any] = {
         "robot": "hermes_lower",
         "motion": Squat(0.03, 0.25),
+        "axes": ("com.z",),
         "feedforward": feedforward,
         "gains": {},
         "settings": {},
         "log": {
             "time": np.arange(2.0),
-            "error": np.full(2, 1.5e-3),
+            **{name: np.full((2, 1), 1.5e-3) for name in ("error", "true_error", "feedback")},
             "measured": np.ones(2, dtype=bool),
         },
         "laps": [],
         "laps_run": 3,
         "steady": True,
         "fell": False,
+        "vetoes": [],
         "failures": {},
     }
     return Run(**{**values, **changes})
@@ -83,9 +85,9 @@ def test_what_was_done_and_learned(feedforward: Feedforward, tmp_path: Path) -> 
         "<Feedforward along com.z: learned, iteration 2 amplitude=0.03; weights up to 0.75 m/s^2>"
     )
     what = "<Run of hermes_lower: squat amplitude=0.03 frequency=0.25 height=0; feedforward "
-    assert repr(a_run(feedforward)) == f"{what}learned, iteration 2; RMS error 1.5000 mm>"
+    assert repr(a_run(feedforward)) == f"{what}learned, iteration 2; com.z 1.5000 mm>"
     none = Feedforward.zero(("com.z",), PeriodicBasis())
-    assert repr(a_run(none, steady=False)) == f"{what}none; RMS error 1.5000 mm, never steady>"
+    assert repr(a_run(none, steady=False)) == f"{what}none; com.z 1.5000 mm, never steady>"
     assert repr(a_run(none, fell=True)) == f"{what}none; fell after 2 ticks>"
     with Database(tmp_path / "d.sqlite") as database:
         assert repr(database) == f"<Database {tmp_path / 'd.sqlite'}>"

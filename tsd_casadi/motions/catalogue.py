@@ -8,12 +8,14 @@ import pkgutil
 from functools import cache
 from pathlib import Path
 
-from tsd_casadi import motions
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.exceptions.did_you_mean import did_you_mean
 from tsd_casadi.motions.file import motion_of_file
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.motions.own_motion import load_own
+
+FOLDER = Path(__file__).parent
+PACKAGE = __name__.rpartition(".")[0]
 
 # of files with references instead of a class
 DATA = (".csv", ".npz")
@@ -23,8 +25,8 @@ DATA = (".csv", ".npz")
 def shipped_motions() -> dict[str, type[Motion]]:
     """Find the motions that come with the project, by name: every class of this folder."""
     found: dict[str, type[Motion]] = {}
-    for module in pkgutil.iter_modules(motions.__path__):
-        members = vars(importlib.import_module(f"{motions.__name__}.{module.name}")).values()
+    for module in pkgutil.iter_modules([str(FOLDER)]):
+        members = vars(importlib.import_module(f"{PACKAGE}.{module.name}")).values()
         for member in members:
             if inspect.isclass(member) and issubclass(member, Motion) and "name" in vars(member):
                 found[member.name] = member

@@ -57,7 +57,7 @@ class LearningOptions:
             metavar="N",
             min=1,
             help="Stop after so many iterations in a row without a smaller error. Default: "
-            "3 with --rule stable or adaptive, else never.",
+            "3 with --rule stable, 3 with --rule adaptive, else never.",
         ),
     ] = None
     first: Annotated[
