@@ -42,7 +42,7 @@ def nominal_requests(controller: Controller, robot: Any, count: int) -> list[Vec
     command = controller.command()
     requests = []
     for tick in np.linspace(2000, run.ticks - 1, count).astype(int):
-        command["com.reference"][2] = run.log["reference"][tick, 0]
+        command["com.reference"][2] = robot.home_com[2] + run.log["reference"][tick, 0]
         q = run.log["q"][tick].astype(float)
         q[3:7] /= np.linalg.norm(q[3:7])
         command.set_state(State(q, run.log["v"][tick].astype(float)))

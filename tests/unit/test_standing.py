@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from tsd_casadi import Controller, InverseDynamics, Robot, Status, load_robot
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.motions.hold import hold
-from tsd_casadi.robot.standing import stand
+from tsd_casadi.robot.standing import COMFORT, stand, standing_heights
 from tsd_casadi.tick.command import Command
 
 HERMES = load_robot("hermes_lower")
@@ -128,6 +128,16 @@ def test_the_controller_has_nothing_to_do_in_a_held_posture(
     np.testing.assert_allclose(tick.qdd, 0, atol=1e-3)
     # in the default command it has
     assert np.abs(controller.tick(posture, controller.command()).error).max() > 0.04
+
+
+def test_comfortable_heights_are_a_share_of_those_in_reach(any_robot: Robot) -> None:
+    low, high = standing_heights(any_robot)
+    assert low < -0.03 < 0.03 < high
+    for height in (low, high):
+        stand(any_robot, height)
+        stand(any_robot, height / COMFORT)
+        with pytest.raises(InvalidValue, match="height"):
+            stand(any_robot, height / COMFORT * (1 + 2e-3 / abs(height)))
 
 
 def test_holds_what_the_robot_file_calls_a_posture(controller: Controller, robot: Robot) -> None:

@@ -23,6 +23,8 @@ DIFFERENCES = (
     "compared in words.",
     "The goals are this project's own. They were set beforehand, from a smaller study with another "
     "model of the robot.",
+    "One axis is learned, the vertical one of the centre of mass, as in the paper, unless it says "
+    "otherwise; 'tsd learn' learns all axes of the centre of mass unless told otherwise.",
     "D of the learned task follows P with the damping ratio of the robot file, except where P / 5 "
     "is said: there D stays as it is.",
     "All repetitions of one experiment start in the same random posture and hear the same sensor "
