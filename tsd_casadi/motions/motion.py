@@ -13,8 +13,7 @@ from __future__ import annotations
 import abc
 import dataclasses
 import math
-from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.motions.parameter import Parameter
@@ -22,8 +21,7 @@ from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 
 
-@dataclass(frozen=True)
-class Offset:
+class Offset(NamedTuple):
     """Where the axes are, relative to the middle, as functions of the phase.
 
     Attributes:
@@ -37,8 +35,7 @@ class Offset:
     by_phase_twice: Vector
 
 
-@dataclass(frozen=True)
-class Reference:
+class Reference(NamedTuple):
     """Where the axes should be at one time, relative to the middle.
 
     Attributes:
