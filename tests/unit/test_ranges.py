@@ -53,6 +53,14 @@ def test_without_the_file_it_is_what_can_be_reached(free: Robot) -> None:
         stand(free, 2 * high)
 
 
+def test_what_is_in_every_range_may_be_too_far_together(free: Robot) -> None:
+    high = range_by_name(free, Squat, "amplitude")[1], range_by_name(free, Squat, "height")[1]
+    check_motion(free, Squat(high[0]))
+    check_motion(free, Squat(0.01, 0.25, high[1]))
+    with pytest.raises(InvalidValue, match=r"squat is amplitude .*together they go too far"):
+        check_motion(free, Squat(high[0], 0.25, high[1]))
+
+
 @pytest.mark.parametrize(("kind", "axis"), [(Sway, 1), (Lean, 0)])
 def test_the_centre_of_mass_stays_over_the_soles(
     robot: Robot, kind: type[Motion], axis: int

@@ -8,8 +8,7 @@ the soles.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.motions.described import check_described
@@ -90,6 +89,15 @@ def check_motion(robot: Robot, motion: Motion) -> None:
         if item.unit == "m":
             expected += likely_meant(value, low, high)
         raise InvalidValue(item.name, f"{value:g}", expected)
+    # ranges are those of one parameter alone; a file's are its author's word
+    if motion.name not in robot.description.motions and not _reaches(robot, motion):
+        together = ", ".join(f"{name} {value:g}" for name, value in motion.parameters.items())
+        raise InvalidValue(
+            motion.name,
+            together,
+            f"a lap that {robot.name} reaches inside its joints' limits with its centre of mass "
+            "over its soles; each parameter is in its range, together they go too far",
+        )
 
 
 @cache
@@ -97,7 +105,12 @@ def _farthest(robot: Robot, kind: type[Motion], name: str, sign: float) -> float
     """Find the largest size of a parameter at which a whole lap can be reached."""
 
     def can(size: float) -> bool:
-        return _reaches(robot, kind, {name: sign * size})
+        # what has no default is at rest: the place of a motion without extent, for instance
+        resting = {
+            item.name: min(max(0.0, item.low), item.high) if item.default is None else item.default
+            for item in declared_parameters(kind)
+        }
+        return _reaches(robot, kind(**{**resting, name: sign * size}))
 
     low, high = 0.0, LARGEST_EXTENT
     while high - low > RESOLUTION * max(low, 1e-3):
@@ -114,13 +127,8 @@ def _round_down(value: float) -> float:
     return round(math.floor(value * 10.0**digits + 1e-9) / 10.0**digits, digits)
 
 
-def _reaches(robot: Robot, kind: type[Motion], given: Mapping[str, float]) -> bool:
-    # what has no default is at rest: the place of a motion without extent, for instance
-    resting = {
-        item.name: min(max(0.0, item.low), item.high) if item.default is None else item.default
-        for item in declared_parameters(kind)
-    }
-    motion = kind(**{**resting, **given})
+@lru_cache(maxsize=256)
+def _reaches(robot: Robot, motion: Motion) -> bool:
     axes = motion.axes(robot)
     try:
         middle = motion.middle(robot)
