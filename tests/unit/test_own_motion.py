@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -123,6 +124,19 @@ def test_a_robot_file_may_narrow_it(write: Write, write_robot: Callable[..., Pat
     wrong = write_robot(lambda document: document["motions"].update(bounce={"hopp": [0.01, 0.02]}))
     with pytest.raises(RobotFileError, match=r"motions\.bounce\.hopp.*did you mean 'hop'"):
         check_motion(load_robot(wrong), kind(hop=0.02))
+
+
+def test_it_may_use_what_lies_beside_it(write: Write, tmp_path: Path) -> None:
+    (tmp_path / "sizes_of_bounces.py").write_text("HOP = 0.02\n")
+    before = list(sys.path)
+    kind = find_motion(
+        write(
+            ("import math\n", "from sizes_of_bounces import HOP\n"),
+            ("low=0.0, extent", "low=0.0, default=HOP, extent"),
+        )
+    )
+    assert kind.declaration().parameters[0].default == 0.02
+    assert sys.path == before
 
 
 @pytest.mark.parametrize("axis", ['"com.w"', '"com.z", "com.z"'])

@@ -67,6 +67,9 @@ def _run(path: Path, name: str) -> Any:
     module = importlib.util.module_from_spec(spec)
     # dataclasses look for their module there
     sys.modules[name] = module
+    # what lies beside it may be imported, as when it is run
+    beside = str(path.resolve().parent)
+    sys.path.insert(0, beside)
     try:
         spec.loader.exec_module(module)
     except Exception as error:
@@ -82,4 +85,6 @@ def _run(path: Path, name: str) -> Any:
         raise InvalidValue(
             "motion", f"'{path}', which raises {type(error).__name__}{where}: {error}", "no error"
         ) from error
+    finally:
+        sys.path.remove(beside)
     return module
