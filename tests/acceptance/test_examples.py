@@ -1,8 +1,10 @@
+import re
 import subprocess
 import sys
 from pathlib import Path
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
 
 
 def run(name: str, *arguments: str) -> list[str]:
@@ -39,3 +41,16 @@ def test_a_plant_of_ones_own_learns_without_mujoco() -> None:
     assert none > 1000  # um
     assert "pinocchio" in modules.split()
     assert not {"mujoco", "tsd_clients"} & set(modules.split())
+
+
+def test_the_page_about_plants_does_what_it_says(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "own-plant.md").read_text()
+    blocks = re.findall(r"^```python\n(.*?)^```", page, re.M | re.S)
+    assert len(blocks) == 2
+    program = tmp_path / "page.py"
+    program.write_text("\n".join(blocks))
+    fell, watched, _ = run(str(program))
+    assert re.fullmatch(r"True after 0\.[12]\d s", fell)
+    kept, dropped = (int(number) for number in re.findall(r"\d+", watched))
+    assert kept == 50
+    assert dropped > 50
