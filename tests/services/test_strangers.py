@@ -95,6 +95,8 @@ class Genuine:
             instance=self.instance,
             protocol=VERSION,
             model="",
+            body="00ff",
+            formulation="ff00",
             ticks_served=0,
             ticks_refused=0,
         )

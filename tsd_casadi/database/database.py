@@ -5,33 +5,23 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 import platformdirs
 
-from tsd_casadi.database.answering import (
-    UNKNOWN_CONTEXT,
-    Answering,
-    by_axes,
-    declaration_of,
-    newest,
-)
+from tsd_casadi.database.answering import UNKNOWN_CONTEXT, Answering
+from tsd_casadi.database.answers import Answers
+from tsd_casadi.database.completion import complete
+from tsd_casadi.database.damaged_entry import DamagedEntry
 from tsd_casadi.database.database_file import DatabaseFile
-from tsd_casadi.database.entry_rows import DamagedEntry, EntryRows
+from tsd_casadi.database.entry_rows import EntryRows
 from tsd_casadi.database.transfer import Imported, read_entries, write_entries
 from tsd_casadi.database.verification import find_damages
-from tsd_casadi.exceptions import EntryNotFound, InvalidValue, OutsideTrainedRange
-from tsd_casadi.generalization.entry_regression import (
-    EntryRegressions,
-    describe_entries,
-    describe_motion,
-)
-from tsd_casadi.generalization.suggestion import Region, Suggestion, suggest
+from tsd_casadi.exceptions import EntryNotFound
+from tsd_casadi.generalization.suggestion import Region, Suggestion
 from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.entry import Entry
-from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.instruction import USUAL, Instruction
 from tsd_casadi.learning.recording import Recording
@@ -65,7 +55,7 @@ class Database:
             DatabaseError: If it cannot be opened or is not one of ours.
         """
         self.path = Path(os.path.expanduser(path))  # leaves an unknown user's as it is
-        self._regressions = EntryRegressions()
+        self._answers = Answers(self.path)
         self._file = DatabaseFile(self.path)
         self._rows = EntryRows(self._file)
 
@@ -123,7 +113,8 @@ class Database:
             DatabaseError: If the entry is damaged.
         """
         with self._file.transaction("IMMEDIATE"):
-            recording = self._complete(recording)
+            key = recording.key
+            recording = complete(recording, self._rows.read(key.robot, key.motion)[0])
             key = recording.key
             entry, notes = self._rows.find(key), []
             if entry is not None and instruction.restart:
@@ -245,29 +236,11 @@ class Database:
             OutsideTrainedRange: If it would be an extrapolation.
             DatabaseError: If the entry with these parameters is damaged.
         """
-        if kind not in (None, "learned", "generalised"):
-            raise InvalidValue("kind", repr(kind), "learned or generalised")
         entries, damaged = self._candidates(motion, robot)
-        answering = Answering.among(motion, entries, version, context)
-        wanted = EntryKey.of(
-            "", motion, "", (), answering.declaration.complete(parameters)
-        ).parameters
-        if kind in (None, "learned"):
-            for group in answering.groups:
-                exact = [entry for entry in group if entry.key.parameters == wanted]
-                for same_axes in by_axes(exact, axes)[:1]:
-                    entry = newest(same_axes)
-                    return _told(entry.feedforward(), answering, entry)
-            for each in damaged:
-                if each.may_be(wanted):
-                    raise each.error(self.path)
-        if kind == "learned":
-            raise EntryNotFound(
-                f"no entry for {describe_motion(motion, wanted)}; there is "
-                f"{describe_entries(answering.entries)}{_elsewhere(answering)}. Learn it with "
-                f"'tsd learn {motion}', or ask for a generalised feedforward"
-            )
-        return self._generalize(answering, dict(wanted), extrapolate, axes)
+        for_whom = Answering.among(motion, entries, version, context)
+        return self._answers.feedforward(
+            for_whom, damaged, parameters, kind=kind, extrapolate=extrapolate, axes=axes
+        )
 
     def suggest(
         self,
@@ -303,58 +276,8 @@ class Database:
                 the region has one.
         """
         entries, _ = self._candidates(motion, robot)
-        answering = Answering.among(motion, entries, version, context)
-        groups = [same for group in answering.groups for same in by_axes(group, axes)]
-        used = groups[0] if groups else []
-        place = suggest(answering.declaration, used, self._regressions, region, parameters)
-        provenance = answering.provenance(used[0]) if used else {"others": answering.others}
-        return replace(place, provenance=provenance, declaration=answering.declaration)
-
-    def _generalize(
-        self,
-        answering: Answering,
-        wanted: dict[str, float],
-        extrapolate: bool,
-        axes: Sequence[str] | None,
-    ) -> Feedforward:
-        """Generalise over the first entries that are enough, of one context and set of axes."""
-        first: EntryNotFound | OutsideTrainedRange | None = None
-        declaration = answering.declaration
-        for group in answering.groups:
-            for same_axes in by_axes(group, axes):
-                try:
-                    predicted = self._regressions.generalize(
-                        declaration, same_axes, wanted, extrapolate
-                    )
-                except (EntryNotFound, OutsideTrainedRange) as error:
-                    first = first or error
-                else:
-                    return _told(predicted, answering, same_axes[0])
-        if first is not None:
-            raise first
-        raise EntryNotFound(
-            f"nothing to generalise {describe_motion(declaration.motion, wanted.items())} from; "
-            f"there is {describe_entries(answering.entries)}{_elsewhere(answering)}. Learn some "
-            f"with 'tsd learn {declaration.motion}'"
-        )
-
-    def _complete(self, recording: Recording) -> Recording:
-        """Check a recording against the motion's declaration, and fill in what has a default."""
-        key, declaration = recording.key, recording.declaration
-        if declaration is None:
-            entries, _ = self._rows.read(key.robot, key.motion)
-            declaration = declaration_of(key.motion, key.version, entries)
-        if (declaration.motion, declaration.version) != (key.motion, key.version):
-            raise InvalidValue(
-                "declaration",
-                f"of {declaration.motion}, version {declaration.version}",
-                f"that of {key.motion}, version {key.version}",
-            )
-        parameters = declaration.complete(dict(key.parameters))
-        complete = EntryKey.of(
-            key.robot, key.motion, key.version, key.axes, parameters, key.context
-        )
-        return replace(recording, key=complete)
+        for_whom = Answering.among(motion, entries, version, context)
+        return self._answers.suggestion(for_whom, region, parameters, axes)
 
     def _candidates(self, motion: str, robot: str | None) -> tuple[list[Entry], list[DamagedEntry]]:
         with self._file.transaction():
@@ -363,15 +286,6 @@ class Database:
         if len(robots) > 1:
             raise EntryNotFound(f"name the robot, the database knows {', '.join(robots)}")
         return entries, damaged
-
-
-def _told(feedforward: Feedforward, answering: Answering, used: Entry) -> Feedforward:
-    provenance = {**feedforward.provenance, **answering.provenance(used)}
-    return replace(feedforward, provenance=provenance)
-
-
-def _elsewhere(answering: Answering) -> str:
-    return f" (and {answering.others} of other contexts)" if answering.others else ""
 
 
 def _now() -> str:

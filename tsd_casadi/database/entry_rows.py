@@ -4,59 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 from tsd_casadi.database.checksum import with_checksum
+from tsd_casadi.database.columns import entry_columns, event_columns, iteration_columns
+from tsd_casadi.database.damaged_entry import DamagedEntry
 from tsd_casadi.database.database_file import DatabaseFile
-from tsd_casadi.database.rows import (
-    EntryRow,
-    EventKind,
-    EventRow,
-    IterationRow,
-    build,
-    entry_columns,
-    event_columns,
-    iteration_columns,
-)
-from tsd_casadi.exceptions import DatabaseError
+from tsd_casadi.database.rows import EntryRow, EventKind, EventRow, IterationRow, build
 from tsd_casadi.learning.context import NOWHERE
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 
 _NOT_FORGOTTEN = "id NOT IN (SELECT entry FROM event WHERE kind = 'forgotten')"
-
-
-@dataclass(frozen=True)
-class DamagedEntry:
-    """An entry that cannot be read.
-
-    Attributes:
-        identifier: Its number.
-        reason: What is wrong with it.
-        parameters: Of the motion, as in a key; None if they are damaged too.
-    """
-
-    identifier: int
-    reason: str
-    parameters: tuple[tuple[str, float], ...] | None = None
-
-    def may_be(self, parameters: tuple[tuple[str, float], ...]) -> bool:
-        """Say whether it may be the entry of these parameters of the same motion."""
-        return self.parameters in (None, parameters)
-
-    def error(self, path: Path) -> DatabaseError:
-        """Make the error of whoever needs it.
-
-        Args:
-            path: The file.
-        """
-        return DatabaseError(
-            path,
-            f"holds a damaged entry {self.identifier} ({self.reason})",
-            f"restore a copy, or 'tsd database forget {self.identifier}'; the others stay readable",
-        )
 
 
 class EntryRows:

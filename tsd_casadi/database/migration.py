@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tsd_casadi.database.checksum import with_checksum
-from tsd_casadi.database.rows import encode
+from tsd_casadi.database.columns import encode
 from tsd_casadi.database.schema import make_tables
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.learning.axis_error import AxisError

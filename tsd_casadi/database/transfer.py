@@ -11,15 +11,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from tsd_casadi.database.checksum import checksum
-from tsd_casadi.database.rows import (
-    EntryRow,
-    EventRow,
-    IterationRow,
-    build,
-    entry_columns,
-    event_columns,
-    iteration_columns,
-)
+from tsd_casadi.database.columns import entry_columns, event_columns, iteration_columns
+from tsd_casadi.database.rows import EntryRow, EventRow, IterationRow, build
 from tsd_casadi.document import AnyDocument, Document, Name
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
 from tsd_casadi.learning.entry import Entry
