@@ -157,3 +157,9 @@ def test_an_axis_that_the_robot_lacks_is_refused(write: Write, robot: Robot) -> 
 def test_without_a_file_there_is_nothing_to_do(robot: Robot) -> None:
     with pytest.raises(InvalidValue, match=r"wave\.csv"):
         check_motion(robot, find_motion("file")())
+
+
+def test_ends_that_meet_but_for_rounding_are_one_point(write: Write) -> None:
+    kind = find_motion(str(write(**changed("com.z", -1, 1e-5))))
+    check_offset(kind())
+    assert kind().offset(0.0).x[0] == kind().offset(2 * math.pi).x[0] == 0.0
