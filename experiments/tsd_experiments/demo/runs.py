@@ -114,6 +114,8 @@ class DemoRuns:
             [motion],
             self.learner,
             axes=axes or motion.axes(self.robot),
+            # what was learned along one axis would be served to a run of all
+            restart=True,
             iterations=self.plan.iterations,
             seed=self.seed,
             transport="zenoh",
