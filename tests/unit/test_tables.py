@@ -8,6 +8,7 @@ import pytest
 
 from tsd_casadi import Squat
 from tsd_casadi.learning.axis_error import AxisError
+from tsd_casadi.learning.context import NOWHERE
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.wire.axis import axis_messages, error_messages
 from tsd_casadi.wire.context import ContextMessage
@@ -210,7 +211,7 @@ def test_an_entry_has_a_row_for_each_axis() -> None:
 
 
 def test_other_contexts_are_counted_and_what_is_unknown_or_damaged_is_said() -> None:
-    other = an_entry(0).model_copy(update={"context": ContextMessage()})
+    other = an_entry(0).model_copy(update={"context": ContextMessage.of(NOWHERE)})
     damaged = (DamagedMessage(entry=7, reason="its checksum is wrong"),)
     reply = DatabaseReply(database="d", entries=[an_entry(0), other], damaged=damaged)
     text = " ".join(printed(lambda: print_entries(reply)).split())
