@@ -24,7 +24,7 @@ FREQUENCY = 0.25  # Hz
 SWAYS = {"sway": (0.04, 1), "lean": (0.03, 1), "circle": (0.02, 2)}
 SQUAT = {"amplitude": 0.03, "frequency": FREQUENCY}
 TWIST = {"amplitude": 0.15, "frequency": 0.5}
-SEEDS, QUICK_SEEDS = tuple(range(6)), (1,)
+SEEDS, QUICK_SEEDS = tuple(range(4)), (1,)
 RULES, QUICK_RULES = ("plain", "stable", "adaptive"), ("stable", "adaptive")
 
 
