@@ -1,3 +1,4 @@
+import inspect
 import json
 import os
 import signal
@@ -306,6 +307,18 @@ def test_a_query_without_a_context_names_the_newest_and_counts_the_others(
 def test_an_entry_for_fewer_axes_serves_a_run_of_more(learner: RemoteLearner) -> None:
     found = learner.query("squat", robot=ROBOT, axes=("com.x", "com.z"), amplitude=0.04)
     assert (found.kind, found.axes, found.provenance["axes"]) == ("learned", ("com.z",), ["com.z"])
+
+
+@pytest.mark.parametrize("name", ["query", "suggest", "record", "entries"])
+def test_a_local_database_is_asked_as_a_remote_learner_is(name: str) -> None:
+    local, remote = (
+        inspect.signature(getattr(kind, name)).parameters for kind in (Database, RemoteLearner)
+    )
+    assert list(local) == list(remote)
+    for parameter, expected in remote.items():
+        assert local[parameter].kind == expected.kind
+        # which robot is meant may be left out locally while there is only one
+        assert parameter == "robot" or local[parameter].default == expected.default
 
 
 def test_unknown_key_is_refused(raw_session: zenoh.Session) -> None:
