@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tsd_casadi import Robot
+from tsd_casadi import Robot, Squat
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
 from tsd_casadi.motions.catalogue import find_motion
 from tsd_casadi.motions.ranges import check_motion, range_of
@@ -121,6 +121,7 @@ def test_a_robot_file_may_narrow_it(write: Write, write_robot: Callable[..., Pat
     narrowed = load_robot(path)
     with pytest.raises(InvalidValue, match=r"hop is 0\.03, expected 0\.01 to 0\.02 m"):
         check_motion(narrowed, kind(hop=0.03))
+    check_motion(narrowed, Squat(0.03))  # others do not mind
     wrong = write_robot(lambda document: document["motions"].update(bounce={"hopp": [0.01, 0.02]}))
     with pytest.raises(RobotFileError, match=r"motions\.bounce\.hopp.*did you mean 'hop'"):
         check_motion(load_robot(wrong), kind(hop=0.02))

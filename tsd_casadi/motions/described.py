@@ -12,12 +12,15 @@ from tsd_casadi.robot.robot import Robot
 def check_described(robot: Robot, kind: type[Motion] | None = None) -> None:
     """Refuse sections of a robot file that narrow nothing.
 
+    A name that resembles no shipped motion's is that of somebody's own, whose
+    parameters are known once it is asked for.
+
     Args:
-        kind: Somebody's own motion that may have a section as well.
+        kind: What is asked for.
 
     Raises:
-        RobotFileError: If a motion, or a parameter of it, is unknown; it names the
-            field.
+        RobotFileError: If a motion is misspelt, or a parameter unknown; it names
+            the field.
     """
     described = robot.description.motions
     if not described:
@@ -28,11 +31,11 @@ def check_described(robot: Robot, kind: type[Motion] | None = None) -> None:
     for name, part in described.items():
         field = f"motions.{name}"
         if name not in known:
+            meant = did_you_mean(name, known)
+            if not meant:
+                continue
             raise RobotFileError(
-                robot.path,
-                field,
-                "is no motion",
-                f"one of {', '.join(known)}{did_you_mean(name, known)}",
+                robot.path, field, "is no motion", f"one of {', '.join(known)}{meant}"
             )
         parameters = [item.name for item in declared_parameters(known[name])]
         for parameter in part.ranges:
