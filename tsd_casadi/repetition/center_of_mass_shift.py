@@ -28,7 +28,6 @@ class CenterOfMassShift(Compensator):
     def start(self, setting: Setting) -> None:
         """Refuse another robot's correction, or a task that is no centre of mass.
 
-        Args:
         Raises:
             InvalidValue: If correction and repetition do not belong together.
         """

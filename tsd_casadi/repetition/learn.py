@@ -127,11 +127,13 @@ def learn(
     known_rule = find_rule(rule)
     for motion in motions:
         check_motion(plant.robot, motion)
+    learned_of = [
+        tuple(usual_axes(plant.robot, motion) if axes is None else axes) for motion in motions
+    ]
     correction = "".join(item.correction for item in compensators)
     context = context_of(plant.robot, correction)
     runs = []
-    for motion in motions:
-        learned = tuple(usual_axes(plant.robot, motion) if axes is None else axes)
+    for motion, learned in zip(motions, learned_of, strict=True):
         errors: list[float] = []
         for index in range(iterations + 1):
             fresh = restart and index == 0

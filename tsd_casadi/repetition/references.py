@@ -107,7 +107,6 @@ class References:
         """Compute what a robot in a known state is off the references, (k,) [m, rad].
 
         Args:
-            state: The state.
             com: Its centre of mass, (3,) [m], world frame.
         """
         found = np.empty(len(self.axes))
