@@ -1661,3 +1661,21 @@ def test_files_that_cannot_be_read_or_written_are_refused(
         database.import_(tmp_path / "none.jsonl")
     with pytest.raises(InvalidValue, match="No such file"):
         database.export(tmp_path / "none" / "file.jsonl")
+
+
+def test_what_later_versions_fill_is_kept_already(path: Path, tmp_path: Path) -> None:
+    uncertainty = np.full((1, BASIS.L), 0.1)
+    with Database(path) as database:
+        entry, _ = database.record(recording())
+        entry.iterations[1].epoch, entry.iterations[1].uncertainty = 3, uncertainty
+        with database._file.transaction("IMMEDIATE"):
+            database._rows.add(entry, "recorded")
+        database.export(tmp_path / "learned.jsonl")
+    with Database(path) as database, Database(tmp_path / "other.sqlite") as other:
+        other.import_(tmp_path / "learned.jsonl")
+        for opened in (database, other):
+            (found,) = opened.entries()
+            assert [item.epoch for item in found.iterations] == [0, 3]
+            assert found.iterations[0].uncertainty is None
+            np.testing.assert_array_equal(found.iterations[1].uncertainty, uncertainty)
+            assert opened.query("squat", **SQUAT).provenance["epoch"] == 3
