@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from tsd_casadi.encoding.harmonics import highest_harmonic, to_harmonics, to_weights
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
-from tsd_casadi.learning.adaptive_learning import anticipation, answered_share, update_adaptively
+from tsd_casadi.learning.adaptive_learning import answered_share, anticipation, update_adaptively
 from tsd_casadi.learning.iteration import FittedRepetition
 from tsd_casadi.learning.iterative_learning import angular_frequencies
 from tsd_casadi.learning.loop_response import LoopResponse
