@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict
 from functools import partial
 from typing import Any
 
 import typer
 
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue, TsdError
-from tsd_casadi.generalization.suggestion import Suggestion
 from tsd_casadi.learning.context import Context
-from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.rules.by_name import find_rule
-from tsd_casadi.learning.rules.rule import Rule
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.record import context_of
-from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot, load_robot
-from tsd_cli.actions.label import label_of
 from tsd_cli.actions.prepare import (
     asked_motion,
     chosen_axes,
@@ -32,6 +25,7 @@ from tsd_cli.actions.prepare import (
     open_learner,
 )
 from tsd_cli.actions.region import default_name, describe_chosen, read_region
+from tsd_cli.actions.story import Story
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.learning import FirstChoice, LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
@@ -39,9 +33,7 @@ from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
 from tsd_cli.output import check_outputs, put_out
-from tsd_clients.console.learner_tables import print_contractions, print_places
 from tsd_clients.console.progress import show_progress
-from tsd_clients.console.run_tables import print_runs
 from tsd_clients.remote.remote_learner import RemoteLearner
 
 
@@ -78,7 +70,7 @@ def learn_by_repetition(
     if places.auto:
         for line in describe_chosen(asked_region, region, type(wanted)):
             typer.echo(f"note: {line}", err=True)
-    story = _Story()
+    story = Story()
     failure: TsdError | None = None
     runs = (learning.iterations + 1.0) * max(places.auto, 1)
     with (
@@ -141,56 +133,6 @@ def learn_by_repetition(
     put_out(result, output, lambda: story.show(wanted, rule, places))
     if failure is not None:
         raise failure
-
-
-class _Story:
-    """What happened while learning, in order."""
-
-    def __init__(self) -> None:
-        self.summaries: list[dict[str, Any]] = []
-        self.places: list[dict[str, Any]] = []
-        self._learned: list[tuple[Motion, Sequence[Contraction]]] = []
-
-    def keep_run(self, run: Run, notes: list[str]) -> None:
-        self.summaries.append({"label": label_of(run), **run.summary(), "notes": notes})
-        for note in notes:
-            typer.echo(f"note: {note}", err=True)
-
-    def keep_contractions(self, motion: Motion, contractions: Sequence[Contraction]) -> None:
-        self._learned.append((motion, contractions))
-
-    def keep_place(self, place: Suggestion, before: int) -> None:
-        """Note a place with the errors of the runs there, those from a number on."""
-        runs = self.summaries[before:]
-        self.places.append(
-            {
-                "parameters": place.parameters,
-                "standard_deviation": place.standard_deviation,
-                "errors": [summary["errors"] for summary in runs],
-                "ranks": [summary["rank"] for summary in runs],
-            }
-        )
-
-    def plain(self) -> dict[str, Any]:
-        return {
-            "runs": self.summaries,
-            "places": self.places,
-            "contractions": [
-                {"parameters": motion.parameters, **asdict(each)}
-                for motion, contractions in self._learned
-                for each in contractions
-            ],
-        }
-
-    def show(self, motion: Motion, rule: Rule, places: PlaceOptions) -> None:
-        declaration = motion.declaration()
-        if places.auto:
-            print_places(declaration, self.places)
-        else:
-            print_runs(f"learning {motion.name}", self.summaries)
-        if rule.is_by_harmonic:
-            for at, contractions in self._learned:
-                print_contractions(declaration, at.parameters, contractions)
 
 
 def _ask_first(

@@ -1,0 +1,79 @@
+"""What happened while learning, in order, for the table and the JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+import typer
+
+from tsd_casadi.generalization.suggestion import Suggestion
+from tsd_casadi.learning.contraction import Contraction
+from tsd_casadi.learning.rules.rule import Rule
+from tsd_casadi.motions.motion import Motion
+from tsd_casadi.repetition.run import Run
+from tsd_cli.actions.label import label_of
+from tsd_cli.options.learning import PlaceOptions
+from tsd_clients.console.learner_tables import print_contractions, print_places
+from tsd_clients.console.run_tables import print_runs
+
+
+class Story:
+    """What happened while learning, in order.
+
+    Attributes:
+        summaries: Of the runs, plain data.
+        places: Where learning went by itself, plain data.
+    """
+
+    def __init__(self) -> None:
+        """Begin with nothing."""
+        self.summaries: list[dict[str, Any]] = []
+        self.places: list[dict[str, Any]] = []
+        self._learned: list[tuple[Motion, Sequence[Contraction]]] = []
+
+    def keep_run(self, run: Run, notes: list[str]) -> None:
+        """Note a run, and show at once what was remarked."""
+        self.summaries.append({"label": label_of(run), **run.summary(), "notes": notes})
+        for note in notes:
+            typer.echo(f"note: {note}", err=True)
+
+    def keep_contractions(self, motion: Motion, contractions: Sequence[Contraction]) -> None:
+        """Note what iterations leave of a motion's error."""
+        self._learned.append((motion, contractions))
+
+    def keep_place(self, place: Suggestion, before: int) -> None:
+        """Note a place with the errors of the runs there, those from a number on."""
+        runs = self.summaries[before:]
+        self.places.append(
+            {
+                "parameters": place.parameters,
+                "standard_deviation": place.standard_deviation,
+                "errors": [summary["errors"] for summary in runs],
+                "ranks": [summary["rank"] for summary in runs],
+            }
+        )
+
+    def plain(self) -> dict[str, Any]:
+        """Give plain data for JSON."""
+        return {
+            "runs": self.summaries,
+            "places": self.places,
+            "contractions": [
+                {"parameters": motion.parameters, **asdict(each)}
+                for motion, contractions in self._learned
+                for each in contractions
+            ],
+        }
+
+    def show(self, motion: Motion, rule: Rule, places: PlaceOptions) -> None:
+        """Print it as tables."""
+        declaration = motion.declaration()
+        if places.auto:
+            print_places(declaration, self.places)
+        else:
+            print_runs(f"learning {motion.name}", self.summaries)
+        if rule.is_by_harmonic:
+            for at, contractions in self._learned:
+                print_contractions(declaration, at.parameters, contractions)
