@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib import pyplot as plt
 
+from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.state import Vector
-from tsd_clients.viewer.rendering import side_by_side
+from tsd_clients.viewer.rendering import render_postures, side_by_side
 from tsd_experiments.beyond.any_motion.measures import measure_of
 from tsd_experiments.harness.job import Result
 from tsd_experiments.report.curve import STYLES
@@ -40,6 +42,16 @@ def draw_motions(results: Mapping[str, Result], stills: Callable[[str, Result], 
     for row in (-2, -1):
         panels[row, 0].legend(fontsize=8)
     return finish(figure)
+
+
+def render_stills(motion: str, result: Result) -> Any:
+    """Render the extremes of a motion; None where nothing can be rendered."""
+    robot_file = Path(result.rows[0].get("robot_file", ""))
+    if not robot_file.is_file():
+        return None
+    # sideways motions from in front
+    azimuth = None if motion == "squat" else 165.0
+    return render_postures(load_robot(robot_file), result.arrays["extremes"], 240, 320, azimuth)
 
 
 def _draw_lap(axes: Any, result: Result) -> None:
