@@ -329,6 +329,24 @@ def test_a_fall_is_judged_from_what_is_measured_where_nobody_tells_the_truth(
 
 
 @pytest.mark.parametrize("tells", [True, False])
+def test_the_truth_counts_more_than_what_is_measured(
+    robot: Robot, controller: Desired, tells: bool
+) -> None:
+    class Blind(Mass):
+        """Believes to stand at home for ever."""
+
+        def measure(self) -> State:
+            return robot.home
+
+        def truth(self) -> Truth | None:
+            known = State(self.q.copy(), self.v.copy())
+            return Truth(known, robot.center_of_mass(self.q)) if tells else None
+
+    run = repeat(Blind(robot, bias=(0.0, 0.0, -60.0)), controller, SQUAT, axes=COM)
+    assert run.fell == tells
+
+
+@pytest.mark.parametrize("tells", [True, False])
 def test_numbers_that_are_none_are_a_fall(robot: Robot, controller: Desired, tells: bool) -> None:
     plant = Mass(robot, tells=tells)
 
@@ -455,14 +473,16 @@ def test_compensators_know_axes_gains_and_period(plant: Mass, controller: Desire
         def before(self, moment: Moment) -> None:
             self.P = self.setting.gain(moment.command, "P")
 
-    look = Look()
+    look, usual = Look(), controller.command()
+    usual["com.P"], usual["torso.P"] = [10.0, 20.0, 30.0], [40.0, 50.0, 60.0]
+    controller.command = usual.copy  # type: ignore[method-assign]
     repeat(plant, controller, CIRCLE, axes=("torso.rz", "com.y"), compensators=[look])
     setting = look.setting
     assert (setting.robot, setting.motion, setting.period) == (plant.robot, CIRCLE, PERIOD)
     assert (setting.axes, setting.learned) == (("torso.rz", "com.y", "com.x"), 2)
     known = [".".join(pair) for pair in controller.format.axes]
     assert [known[i] for i in setting.index] == list(setting.axes)
-    np.testing.assert_array_equal(look.P, [100.0, 50.0, 50.0])
+    np.testing.assert_array_equal(look.P, [60.0, 20.0, 10.0])
 
 
 # observers
@@ -500,9 +520,12 @@ def broken(when: str, error: BaseException) -> Diary:
 def test_whatever_an_observer_does_the_others_are_told_of_the_end(
     plant: Mass, controller: Desired, when: str, error: BaseException
 ) -> None:
-    before, after = Diary("before"), Diary("after")
+    before, after, failing = Diary("before"), Diary("after"), broken(when, error)
     with pytest.raises(type(error)):
-        repeat(plant, controller, SQUAT, observers=[before, broken(when, error), after])
+        repeat(plant, controller, SQUAT, observers=[before, failing, after])
+    if when != "end":
+        # whatever it began at its start can be put away
+        assert failing.calls[-1] == ("broken", "end", "aborted")
     outcome = "steady" if when == "end" else "aborted"
     assert before.calls[-1] == ("before", "end", outcome)
     # who was never told of the start is not told of the end
