@@ -22,6 +22,14 @@ def lap(mean: float = 0.0, deviation: float = 0.0) -> Lap:
     return Lap(PHASE, (mean + deviation * WAVE)[None, :])
 
 
+def steady_from(laps: list[Lap]) -> int | None:
+    """Index of the first steady lap among some that follow the very first one."""
+    k = laps[0].feedback.shape[0] if laps else 1
+    beginning = Lap(PHASE, np.full((k, PHASE.size), 1e6))
+    found = first_steady_lap([beginning, *laps])
+    return None if found is None else found - 1
+
+
 def test_tolerances_are_the_documented_ones() -> None:
     assert (RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE) == (0.01, 1e-4)
 
@@ -54,19 +62,19 @@ def test_tolerances_are_the_documented_ones() -> None:
     ],
 )
 def test_two_laps_agree_to_one_percent_or_1e_4(one: Lap, other: Lap, steady: bool) -> None:
-    assert first_steady_lap([one, other]) == (0 if steady else None)
+    assert steady_from([one, other]) == (0 if steady else None)
 
 
 def test_every_axis_has_to_agree() -> None:
     one = Lap(PHASE, np.vstack([WAVE, WAVE]))
     other = Lap(PHASE, np.vstack([WAVE, 1.5 * WAVE]))
-    assert first_steady_lap([one, one]) == 0
-    assert first_steady_lap([one, other]) is None
+    assert steady_from([one, one]) == 0
+    assert steady_from([one, other]) is None
 
 
 @pytest.mark.parametrize("count", [0, 1])
 def test_one_lap_alone_is_never_steady(count: int) -> None:
-    assert first_steady_lap([lap(1.0)] * count) is None
+    assert steady_from([lap(1.0)] * count) is None
 
 
 @pytest.mark.parametrize(
@@ -88,22 +96,22 @@ def test_one_lap_alone_is_never_steady(count: int) -> None:
 def test_steady_is_a_suffix_of_laps_that_agree_with_the_next(
     means: list[float], expected: int | None
 ) -> None:
-    assert first_steady_lap([lap(mean) for mean in means]) == expected
+    assert steady_from([lap(mean) for mean in means]) == expected
 
 
 def test_slow_drift_is_steady_though_first_and_last_differ() -> None:
     # consecutive laps are compared, not the ends
     laps = [lap(1.005**index) for index in range(10)]
-    assert first_steady_lap(laps) == 0
+    assert steady_from(laps) == 0
 
 
 def test_growing_oscillation_is_never_steady() -> None:
-    assert first_steady_lap([lap(0.0, 1.1**index) for index in range(10)]) is None
+    assert steady_from([lap(0.0, 1.1**index) for index in range(10)]) is None
 
 
 @given(st.lists(st.sampled_from([1.0, 1.005, 2.0, 5.0]), max_size=8))
 def test_steady_laps_are_the_longest_agreeing_suffix(means: list[float]) -> None:
-    first = first_steady_lap([lap(mean) for mean in means])
+    first = steady_from([lap(mean) for mean in means])
     changes = [
         index
         for index in range(1, len(means))
@@ -111,6 +119,26 @@ def test_steady_laps_are_the_longest_agreeing_suffix(means: list[float]) -> None
     ]
     longest = max(changes, default=0)
     assert first == (longest if longest < len(means) - 1 else None)
+
+
+def test_the_very_first_lap_never_counts() -> None:
+    assert first_steady_lap([lap(1.0), lap(1.0)]) is None
+    assert first_steady_lap([lap(1.0), lap(1.0), lap(1.0)]) == 1
+
+
+@pytest.mark.parametrize(("fed_forward", "steady"), [(1.0, True), (0.1, False)])
+def test_what_was_fed_forward_counts_for_the_scale(fed_forward: float, steady: bool) -> None:
+    # what is left of the feedback changes by much of itself, by little of the whole
+    laps = [
+        Lap(PHASE, np.full((1, 200), left), feedforward=np.full((1, 200), fed_forward))
+        for left in (2e-3, 7e-3)
+    ]
+    assert (steady_from(laps) is not None) == steady
+
+
+def test_the_mean_of_a_motion_to_and_fro_may_be_noise() -> None:
+    one, other = (Lap(PHASE, (noise + WAVE)[None, :]) for noise in (1e-3, -1e-3))
+    assert steady_from([one, other]) == 0
 
 
 def test_join_keeps_order_and_whole_laps() -> None:
