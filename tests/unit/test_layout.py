@@ -48,7 +48,9 @@ def test_locate_refuses_what_is_outside(index: int) -> None:
 
 
 def test_unknown_field_lists_the_known_ones() -> None:
-    with pytest.raises(UnknownField, match="no field 'gian'; there are gain, pose, switch") as told:
+    with pytest.raises(
+        UnknownField, match=r"no field 'gian'; did you mean 'gain'\?; there are"
+    ) as told:
         LAYOUT.slice("gian")
     assert told.value.known == ["gain", "pose", "switch"]
     assert isinstance(told.value, KeyError)
