@@ -12,7 +12,7 @@ from .repetition.gains import Gains as Gains
 from .repetition.learn import learn as learn
 from .repetition.plant import Plant as Plant
 from .repetition.plant import Truth as Truth
-from .repetition.repetition import repeat as repeat
+from .repetition.repeat import repeat as repeat
 from .repetition.run import Run as Run
 from .robot.robot import Robot as Robot
 from .robot.robot import load_robot as load_robot

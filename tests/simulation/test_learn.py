@@ -27,7 +27,7 @@ from tsd_casadi.motions.circle import Circle
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.motions.sway import Sway
 from tsd_casadi.repetition.record import record_of
-from tsd_casadi.repetition.repetition import usual_axes
+from tsd_casadi.repetition.repeat import usual_axes
 from tsd_casadi.tick.format import Status
 from tsd_clients import MujocoSimulator
 

@@ -22,7 +22,8 @@ from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.observer import Observer
 from tsd_casadi.repetition.plant import Plant
 from tsd_casadi.repetition.record import context_of, record_of
-from tsd_casadi.repetition.repetition import Progress, repeat, usual_axes
+from tsd_casadi.repetition.repeat import repeat, usual_axes
+from tsd_casadi.repetition.repetition import Progress
 from tsd_casadi.repetition.run import Run
 
 # of the error: smaller gains are not worth another repetition

@@ -1,11 +1,10 @@
-"""One repetition in lock-step: plant and controller, tick by tick."""
+"""One repetition while it is under way: plant and controller in lock-step, tick by tick."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from time import perf_counter
 from typing import Any
 
@@ -16,19 +15,17 @@ from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.encoding.laps import Lap, first_steady_lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.encoding.phase_oscillator import PhaseOscillator
-from tsd_casadi.exceptions import InvalidValue, SimulationError
+from tsd_casadi.exceptions import SimulationError
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.hold import hold
 from tsd_casadi.motions.motion import Motion, Reference
-from tsd_casadi.motions.ranges import check_motion
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
-from tsd_casadi.repetition.gains import UNCHANGED, Gains
+from tsd_casadi.repetition.gains import Gains
 from tsd_casadi.repetition.observer import Observer
 from tsd_casadi.repetition.plant import Plant, Truth
 from tsd_casadi.repetition.references import References
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.repetition.tick_log import TickLog
-from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.format import Status
 
@@ -44,92 +41,7 @@ BLOWN_UP = 1e3  # norm of v: no robot, but a simulation that became unstable
 Progress = Callable[[float, float], None]
 
 
-def usual_axes(robot: Robot, motion: Motion) -> tuple[str, ...]:
-    """List the axes that are learned if nobody says otherwise.
-
-    Those that move and all of the centre of mass, since a wrong model moves
-    every one of them.
-    """
-    tasks = robot.description.tasks
-    com = [f"{task.name}.{axis}" for task in tasks if task.type == "com" for axis in task.axes]
-    return tuple(dict.fromkeys((*motion.axes(robot), *com)))
-
-
-def repeat(
-    plant: Plant,
-    controller: WholeBodyController,
-    motion: Motion,
-    *,
-    axes: Sequence[str] | None = None,
-    laps: int = 3,
-    feedforward: Feedforward | None = None,
-    gains: Gains = UNCHANGED,
-    compensators: Sequence[Compensator] = (),
-    observers: Sequence[Observer] = (),
-    seed: int = 0,
-    transport: str = "local",
-    progress: Progress | None = None,
-) -> Run:
-    """Do one repetition of a motion in lock-step with a controller.
-
-    The robot holds the middle of the motion for one second with the feedforward
-    of the starting phase, then moves. Laps are added until two consecutive ones
-    agree, up to a bound.
-
-    Args:
-        plant: Simulated or real.
-        controller: Local or remote.
-        motion: What to do.
-        axes: What is learned, 'task.axis'; see ``usual_axes``.
-        laps: Least number of laps.
-        feedforward: Learned term; none by default. Where it has fewer axes, it is
-            zero along the others.
-        gains: Factors on the gains of the learned tasks.
-        compensators: What else changes commands and torques.
-        observers: Who watches.
-        seed: Of whatever is random about the plant.
-        transport: How the controller is reached, for the records.
-        progress: Called with (done, total) seconds of the repetition.
-
-    Returns:
-        The run.
-
-    Raises:
-        InvalidValue: If motion, axes or settings are out of range.
-        UnknownField: If no task has one of the axes.
-        SimulationError: If the controller serves another robot.
-    """
-    robot = plant.robot
-    check_motion(robot, motion)
-    if laps < 2:
-        raise InvalidValue("laps", laps, "at least 2, the first one settles")
-    learned = tuple(usual_axes(robot, motion) if axes is None else axes)
-    if len(set(learned)) < len(learned) or not learned:
-        raise InvalidValue("axes", ", ".join(learned) or "none", "at least one axis, none twice")
-    repetition = _Repetition(
-        plant, controller, motion, learned, feedforward, gains, compensators, observers
-    )
-    # whoever was told of the start is told of the end, whatever happens between them
-    with ExitStack() as ends:
-        for observer in observers:
-            ends.callback(repetition.end, observer)
-            observer.start(repetition.setting)
-        plant.start(motion.middle(robot), seed)
-        repetition.hold(progress)
-        repetition.move(laps, progress)
-        repetition.over = True
-    settings = {
-        **plant.settings(),
-        "period_s": plant.period,
-        "p_scale": gains.P,
-        "d_scale": gains.D,
-        "transport": transport,
-        "seed": seed,
-    }
-    return repetition.finish(settings)
-
-
-class _Repetition:
+class Repetition:
     """One repetition while it is under way: hold, move in laps, finish."""
 
     def __init__(
@@ -143,6 +55,15 @@ class _Repetition:
         compensators: Sequence[Compensator],
         observers: Sequence[Observer],
     ) -> None:
+        """Prepare; nothing moves yet.
+
+        Args:
+            learned: Names 'task.axis' of the learned axes.
+
+        Raises:
+            SimulationError: If controller and plant are of different robots.
+            UnknownField: If no task has one of the axes.
+        """
         robot, tick_format = plant.robot, controller.format
         if tick_format.robot != robot.name or tick_format.joints != tuple(robot.joint_names):
             raise SimulationError(

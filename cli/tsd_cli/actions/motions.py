@@ -9,7 +9,7 @@ from tsd_casadi.motions.described import check_described
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.motions.parameter import Parameter
 from tsd_casadi.motions.ranges import range_of
-from tsd_casadi.repetition.repetition import usual_axes
+from tsd_casadi.repetition.repeat import usual_axes
 from tsd_casadi.robot.robot import load_robot
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.output import JsonOptions

@@ -16,7 +16,7 @@ from tsd_casadi.motions.ranges import check_motion
 from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
 from tsd_casadi.repetition.compensator import Compensator
 from tsd_casadi.repetition.gains import Gains
-from tsd_casadi.repetition.repetition import usual_axes
+from tsd_casadi.repetition.repeat import usual_axes
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.wire.endpoints import CONTROLLER, LEARNER
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions

@@ -14,7 +14,7 @@ from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.plant import Plant, Truth
-from tsd_casadi.repetition.repetition import repeat
+from tsd_casadi.repetition.repeat import repeat
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector

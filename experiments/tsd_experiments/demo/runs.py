@@ -11,7 +11,7 @@ from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.record import context_of
-from tsd_casadi.repetition.repetition import usual_axes
+from tsd_casadi.repetition.repeat import usual_axes
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.console.table import console

@@ -12,7 +12,7 @@ from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.learning.feedforward import Feedforward, Kind
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.gains import Gains
-from tsd_casadi.repetition.repetition import usual_axes
+from tsd_casadi.repetition.repeat import usual_axes
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.simulator.model_error import ModelError
 from tsd_clients.simulator.simulator import MujocoSimulator
