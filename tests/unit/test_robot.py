@@ -304,3 +304,12 @@ def test_legs_that_cannot_move_their_feet_freely_are_refused(write_robot: WriteR
     error = error_of(write_robot(urdf=lock_ankles))
     assert error.field == "contacts"
     assert "at least six joints" in error.expected
+
+
+def test_a_robot_without_a_scene_loads_and_says_so_when_it_is_simulated(
+    write_robot: Callable[..., Path],
+) -> None:
+    robot = load_robot(write_robot(lambda document: document.pop("scene")))
+    assert robot.n == 17
+    with pytest.raises(RobotFileError, match=r"field 'scene': is missing; expected a MuJoCo scene"):
+        _ = robot.scene_path

@@ -84,7 +84,13 @@ class Robot:
 
     @property
     def scene_path(self) -> Path:
-        """The MuJoCo scene."""
+        """The MuJoCo scene.
+
+        Raises:
+            RobotFileError: If the robot file names none.
+        """
+        if self.description.scene is None:
+            raise self._error("scene", "is missing", "a MuJoCo scene, to simulate this robot")
         return self.path.parent / self.description.scene
 
     @cached_property
@@ -240,7 +246,10 @@ class Robot:
         return RobotFileError(self.path, field, found, expected)
 
     def _build_model(self) -> Any:
-        for field, path in (("urdf", self.urdf_path), ("scene", self.scene_path)):
+        named = [("urdf", self.urdf_path)]
+        if self.description.scene is not None:
+            named.append(("scene", self.scene_path))
+        for field, path in named:
             if not os.path.isfile(path):  # a path's own is_file refuses long names
                 raise self._error(field, f"'{path}' is no file", "a path relative to this file")
         try:

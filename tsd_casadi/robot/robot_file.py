@@ -32,7 +32,6 @@ class RobotFile(Section):
     Attributes:
         name: Name of the robot, one chunk of its network keys.
         urdf: URDF, relative to the robot file.
-        scene: MuJoCo scene, relative to the robot file.
         home: Joint angles of the home posture [rad]; joints left out are zero.
         contacts: The feet.
         tasks: The Cartesian tasks.
@@ -41,13 +40,13 @@ class RobotFile(Section):
         limits: Limits beyond those of the URDF.
         safe_torque: What a failed tick answers with.
         motions: Narrower ranges of motions than the robot could reach, by name.
+        scene: MuJoCo scene, relative to the robot file; only a simulation needs it.
         postures: Other postures by name, joint angles as for home.
         hardware: What the real robot has beyond rigid bodies; None if unknown.
     """
 
     name: Name
     urdf: str
-    scene: str
     home: dict[str, Finite]
     contacts: Annotated[tuple[Contact, ...], Field(min_length=1)]
     tasks: Annotated[
@@ -59,6 +58,7 @@ class RobotFile(Section):
     limits: LimitsFile
     safe_torque: SafeTorqueFile
     motions: dict[Name, MotionFile] = Field(default_factory=dict)
+    scene: str | None = None
     postures: dict[Name, dict[str, Finite]] = Field(default_factory=dict)
     hardware: HardwareFile | None = None
 
