@@ -21,6 +21,8 @@ from tsd_experiments.harness.store import Store
 from tsd_experiments.reproduce import run_all
 
 SPAN = (1000.0, 1002.5)
+# what is run tells that it was
+REFUSED = {"case": {"amplitude": -1.0, "hardware": []}}
 
 
 @pytest.fixture
@@ -73,16 +75,12 @@ def test_damaged_results_are_done_again(
     assert store.load(job) is None
 
 
-def refuse(*_: Any, **__: Any) -> Outcome:
-    raise SimulationError("it was run again")
-
-
 def test_finished_jobs_are_not_run_again(store: Store, outcome: Outcome) -> None:
     class Stages(Experiment):
         name = "stages"
 
         def jobs(self, done: Done) -> list[Job]:
-            first, second = (Job(name, refuse) for name in ("one", "two"))
+            first, second = (Job(name, replay_case, REFUSED) for name in ("one", "two"))
             return [first, second] if "one" in done else [first]
 
         def report(self, done: Done) -> Section:
@@ -90,12 +88,12 @@ def test_finished_jobs_are_not_run_again(store: Store, outcome: Outcome) -> None
 
     experiment = Stages(quick=True)
     for name in ("one", "two"):
-        store.save(Job(name, refuse), outcome, SPAN)
+        store.save(Job(name, replay_case, REFUSED), outcome, SPAN)
     done = run_all([experiment], store)
     assert done.keys() == {"one", "two"}
     assert done["two"].row("replay")["rms_error_m"] == 0.25
     (store.folder / "two.json").unlink()
-    with pytest.raises(SimulationError, match="it was run again"):
+    with pytest.raises(TsdError, match="amplitude"):
         run_all([experiment], store)
 
 
@@ -119,7 +117,7 @@ def test_a_job_runs_in_a_process_of_its_own_and_is_kept(store: Store) -> None:
 
 
 def test_errors_of_a_job_are_told(store: Store) -> None:
-    job = Job("broken", replay_case, {"case": {"amplitude": -1.0, "hardware": []}})
+    job = Job("broken", replay_case, REFUSED)
     with pytest.raises(TsdError, match="amplitude"):
         run_jobs([job], store, lambda done, total: None)
     assert store.load(job) is None
