@@ -21,6 +21,7 @@ FREQUENCY = 0.25  # Hz
 SWAYS = {"sway": (0.04, 1), "lean": (0.03, 1), "circle": (0.02, 2)}
 SQUAT = {"amplitude": 0.03, "frequency": FREQUENCY}
 TWIST = {"amplitude": 0.15, "frequency": 0.5}
+# not 0 in the short form: with it the circle keeps an offset, which the full form shows
 SEEDS, QUICK_SEEDS = tuple(range(4)), (1,)
 # seeds whose error is so many times the median's are told
 SCATTER = 3.0
