@@ -11,8 +11,8 @@ from pydantic import Field, ValidationError
 
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.robot.robot_file_sections import (
+    AnyContact,
     ComTaskFile,
-    Contact,
     Finite,
     FrameTaskFile,
     HardwareFile,
@@ -23,6 +23,7 @@ from tsd_casadi.robot.robot_file_sections import (
     RegularizationFile,
     SafeTorqueFile,
     Section,
+    SoleFile,
 )
 
 
@@ -48,7 +49,7 @@ class RobotFile(Section):
     name: Name
     urdf: str
     home: dict[str, Finite]
-    contacts: Annotated[tuple[Contact, ...], Field(min_length=1)]
+    contacts: Annotated[tuple[AnyContact, ...], Field(min_length=1)]
     tasks: Annotated[
         tuple[Annotated[ComTaskFile | FrameTaskFile, Field(discriminator="type")], ...],
         Field(min_length=1),
@@ -101,8 +102,8 @@ def read_robot_file(path: Path) -> RobotFile:
         errors = sorted(error.errors(), key=lambda item: item["type"] != "extra_forbidden")
         first = errors[0]
         location = list(first["loc"])
-        if location[:1] == ["tasks"]:
-            del location[2:3]  # the task's type, which pydantic puts in between
+        if location[:1] in (["tasks"], ["contacts"]):
+            del location[2:3]  # the part's type, which pydantic puts in between
         field = ".".join(map(str, location)) or "robot"
         found = _describe(first["type"], first.get("input"))
         raise RobotFileError(path, field, found, _expectation(first)) from error
@@ -133,7 +134,12 @@ def _check_ranges(path: Path, robot_file: RobotFile) -> None:
         for motion, part in robot_file.motions.items()
         for name, bounds in part.ranges.items()
     ]
-    for index, contact in enumerate(robot_file.contacts):
+    soles = [
+        (index, contact)
+        for index, contact in enumerate(robot_file.contacts)
+        if isinstance(contact, SoleFile)
+    ]
+    for index, contact in soles:
         ranges += [(f"contacts.{index}.x", contact.x), (f"contacts.{index}.y", contact.y)]
     if "home" in robot_file.postures:
         raise RobotFileError(
@@ -142,7 +148,7 @@ def _check_ranges(path: Path, robot_file: RobotFile) -> None:
     for field, (low, high) in ranges:
         if low >= high:
             raise RobotFileError(path, field, f"is [{low}, {high}]", "the low value first")
-    for index, contact in enumerate(robot_file.contacts):
+    for index, contact in soles:
         if not (contact.x[0] < 0 < contact.x[1] and contact.y[0] < 0 < contact.y[1]):
             raise RobotFileError(
                 path,

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 # strict: YAML's yes and no are not numbers
 Positive = Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(strict=True, ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Vector3 = tuple[Finite, Finite, Finite]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 
 COM_AXES = ("x", "y", "z")
@@ -22,26 +23,76 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class Contact(Section):
+class OffsetFile(Section):
+    """Where a frame is on a link that has none there.
+
+    Attributes:
+        xyz: Origin in the link's frame [m].
+        rpy: Roll, pitch and yaw about the link's fixed axes, as in a URDF [rad].
+    """
+
+    xyz: Vector3 = (0.0, 0.0, 0.0)
+    rpy: Vector3 = (0.0, 0.0, 0.0)
+
+
+class SoleFile(Section):
     """A flat foot on the ground.
 
     Attributes:
+        type: Always 'sole', and so where it is left out.
         name: Name of the contact.
-        frame: Frame of the URDF at the sole, z up out of the ground.
-        x: Extent of the sole along x in that frame, (low, high) [m].
-        y: Extent of the sole along y in that frame, (low, high) [m].
+        frame: Link or frame of the description.
+        offset: From that to the sole, z up out of the ground; none if the frame is there.
+        x: Extent of the sole along x in the sole's frame, (low, high) [m].
+        y: Extent of the sole along y in the sole's frame, (low, high) [m].
         friction: Coulomb coefficient that the controller counts on.
         torsional_friction: Bound of |normal torque| / normal force [m].
         minimum_force: Least normal force while in contact [N].
     """
 
+    type: Literal["sole"] = "sole"
     name: Name
     frame: str
+    offset: OffsetFile | None = None
     x: tuple[Finite, Finite]
     y: tuple[Finite, Finite]
     friction: Positive
     torsional_friction: Positive
     minimum_force: NonNegative
+
+
+class PointFile(Section):
+    """A foot that touches the ground in a point and carries no moment.
+
+    Attributes:
+        type: Always 'point'.
+        name: Name of the contact.
+        frame: Link or frame of the description.
+        offset: From that to the point; its z axis is up at home.
+        friction: Coulomb coefficient that the controller counts on.
+        minimum_force: Least normal force while in contact [N].
+    """
+
+    type: Literal["point"]
+    name: Name
+    frame: str
+    offset: OffsetFile | None = None
+    friction: Positive
+    minimum_force: NonNegative
+
+
+Contact = SoleFile | PointFile
+
+
+def _kind_of_contact(contact: object) -> str:
+    kind = contact.get("type", "sole") if isinstance(contact, dict) else "sole"
+    return kind if kind == "point" else "sole"  # what is neither, 'sole' refuses by name
+
+
+AnyContact = Annotated[
+    Annotated[SoleFile, Tag("sole")] | Annotated[PointFile, Tag("point")],
+    Discriminator(_kind_of_contact),
+]
 
 
 class ComTaskFile(Section):
