@@ -15,6 +15,7 @@ import pinocchio
 import tsd_models
 from tsd_casadi.exceptions import InvalidValue, RobotFileError, UnknownRobot
 from tsd_casadi.robot.checks import check_robot
+from tsd_casadi.robot.foot import Foot, make_foot
 from tsd_casadi.robot.robot_file import RobotFile, read_robot_file
 from tsd_casadi.state import State, Vector
 
@@ -119,7 +120,11 @@ class Robot:
         meaning = [
             FORMULATION,
             [(t.type, t.name, getattr(t, "frame", ""), t.axes, t.W) for t in described.tasks],
-            [(contact.name, contact.frame) for contact in described.contacts],
+            # a point says so; soles as they were before there were points
+            [
+                (contact.name, contact.frame, *({contact.type} - {"sole"}))
+                for contact in described.contacts
+            ],
             [described.posture.W, described.regularization.model_dump()],
         ]
         return hashlib.sha256(json.dumps(meaning).encode()).hexdigest()[:16]
@@ -178,6 +183,12 @@ class Robot:
     def sole_frames(self) -> list[int]:
         """Pinocchio's index of each contact's frame."""
         return [self.model.getFrameId(contact.frame) for contact in self.description.contacts]
+
+    @cached_property
+    def feet(self) -> list[Foot]:
+        """What each contact keeps in its place, in the order of the robot file."""
+        contacts = zip(self.description.contacts, self.sole_frames, strict=True)
+        return [make_foot(contact, frame) for contact, frame in contacts]
 
     def axis_for(self, motion: str, kind: str, axis: str, prefer: str = "") -> str:
         """Find the axis 'task.axis' that carries a motion.

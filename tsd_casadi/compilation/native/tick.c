@@ -199,7 +199,10 @@ static int solve_inequalities(struct tick* t) {
 static void fill_solution(const struct tick* t, int n_active, double* reply) {
   for (int i = 0; i < N_TAU; i++)
     reply[REPLY_TAU + i] = t->h_a[i] + t->rows[N_GENERAL - N_TAU + i];
-  memcpy(reply + REPLY_QDD, t->x, N_X * sizeof(double)); /* qdd, then wrenches */
+  memcpy(reply + REPLY_QDD, t->x, N_V * sizeof(double));
+  /* what a contact does not carry stays zero */
+  for (int i = 0; i < N_FORCE_PLACES; i++)
+    reply[REPLY_WRENCHES + force_places[i]] = t->x[N_V + i];
   double* active = reply + REPLY_ACTIVE;
   for (int i = 0; i < N_EQUALITIES; i++) active[N_V + i] = 2.0;
   for (int i = 0; i < n_active; i++) {
@@ -210,7 +213,7 @@ static void fill_solution(const struct tick* t, int n_active, double* reply) {
 }
 
 static void answer_safely(struct tick* t, const double* request, double* reply) {
-  memset(reply + REPLY_QDD, 0, N_X * sizeof(double));
+  memset(reply + REPLY_QDD, 0, (N_V + N_WRENCHES) * sizeof(double));
   memset(reply + REPLY_ACTIVE, 0, N_ROWS * sizeof(double));
   t->arguments[0] = request;
   t->results[0] = reply + REPLY_TAU;
@@ -254,7 +257,7 @@ int tick_run(struct tick* t, const double* request, double* reply) {
   }
   if (status == STATUS_OK) {
     fill_solution(t, n_active, reply);
-    if (!all_finite(reply + REPLY_TAU, N_TAU + N_X)) status = STATUS_NOT_FINITE;
+    if (!all_finite(reply + REPLY_TAU, N_TAU + N_V + N_WRENCHES)) status = STATUS_NOT_FINITE;
   }
   const double solved = microseconds();
   if (status != STATUS_OK) answer_safely(t, request, reply);
