@@ -22,6 +22,8 @@ from tsd_casadi.tasks.task import pack_lower_triangle
 EACH = 250
 LEAST_ACTIVE = 3
 FILES = {path.stem: path for path in Path(__file__).parents[1].glob("robots/*/*.yaml")}
+# shares of the torque limits that are too little every other time
+WEAK = {"hermes_lower": 0.09, "mini_biped": 0.003, "mini_quadruped": 0.09, "peg_leg": 0.003}
 # joints of a leg and how far each turns where the knee does
 KNEES = {
     "hermes_lower": [
@@ -251,7 +253,7 @@ def test_second_solver_agrees_on_what_is_infeasible(controller: Controller) -> N
     statuses = Counter[Status]()
     for _ in range(100):
         command = random_command(problem_of(controller), rng)
-        tighten(problem_of(controller), command, rng, share=0.09)
+        tighten(problem_of(controller), command, rng, share=WEAK[controller.format.robot])
         solved = solve(controller, command)
         statuses[solved.tick.status] += 1
         if solved.tick.status == Status.OK:
@@ -362,12 +364,14 @@ class Numeric:
         name = task.name
         return np.asarray(self.command[f"{name}.P"] * error + self.command[f"{name}.D"] * rate)
 
-    def null_space(self) -> np.ndarray:
+    def stacked(self) -> list[np.ndarray]:
         stacked = [self.task(t)[0] for t in self.robot.description.tasks if self.is_active(t.name)]
-        stacked += [J for _, J, _, active in self.contacts() if active]
-        if not stacked:
+        return stacked + [J for _, J, _, active in self.contacts() if active]
+
+    def null_space(self) -> np.ndarray:
+        if not self.stacked():
             return np.eye(self.model.nv)
-        _, s, Vt = np.linalg.svd(np.vstack(stacked), full_matrices=False)
+        _, s, Vt = np.linalg.svd(np.vstack(self.stacked()), full_matrices=False)
         return np.eye(self.model.nv) - Vt.T @ np.diag(s**2 / (s**2 + 1e-8)) @ Vt
 
     def cost(self) -> tuple[np.ndarray, np.ndarray]:
@@ -460,9 +464,9 @@ class Numeric:
         return rows
 
 
-def close(found: np.ndarray, expected: np.ndarray) -> None:
+def close(found: np.ndarray, expected: np.ndarray, rounding: float = 0.0) -> None:
     scale = np.abs(expected).max()
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * scale)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * scale + rounding)
 
 
 def test_data_against_an_independent_assembly(
@@ -523,13 +527,41 @@ def test_contacts_do_not_accelerate(robot: Robot, solutions: list[Solved]) -> No
 def test_a_switched_off_foot_carries_nothing(
     controller: Controller, robot: Robot, one_foot_off: list[Solved]
 ) -> None:
-    weight = robot.weight
     contacts = controller.format.contacts
+    mass, g = pinocchio.computeTotalMass(robot.model), robot.model.gravity.linear
     for index, solved in enumerate(one_foot_off):
-        wrenches = dict(solved.tick.wrenches)
-        off = wrenches.pop(contacts[index % len(contacts)])
-        assert np.abs(off).max() < 1e-9
-        assert sum(on[2] for on in wrenches.values()) > 0.3 * weight
+        off = contacts[index % len(contacts)]
+        assert np.abs(solved.tick.wrenches[off]).max() < 1e-9
+        # Newton's law: the others carry all that there is to carry
+        numeric, carried = Numeric(robot, solved.command), np.zeros(3)
+        for contact in robot.description.contacts:
+            placement = numeric.frame(contact.frame, pinocchio.LOCAL)[0]
+            axes = placement.rotation if contact.type == "sole" else np.eye(3)
+            carried += axes @ solved.tick.wrenches[contact.name][:3]
+        acceleration = numeric.J_com @ solved.tick.qdd + numeric.drift_com
+        np.testing.assert_allclose(carried, mass * (acceleration - g), atol=1e-6)
+
+
+def test_a_point_carries_no_moment(controller: Controller, solutions: list[Solved]) -> None:
+    for contact in problem_of(controller).contacts:
+        moments = np.array([s.tick.wrenches[contact.name][3:] for s in solutions])
+        assert moments.any() == (contact.size == 6)
+
+
+def test_the_force_of_a_point_has_its_normal_along_the_worlds(controller: Controller) -> None:
+    # turned about a horizontal axis with the whole robot, a sole would press askew
+    for contact in problem_of(controller).contacts:
+        if contact.size == 3:
+            command = controller.command()
+            command["q"][3:7] = turned(command["q"][3:7], np.random.default_rng(11), 0.2)
+            program = problem_of(controller).evaluate(command.request)
+            names = problem_of(controller).format.row_names
+            row = names.index(f"{contact.name}.unilateral_force") - problem_of(controller).nv
+            data = Numeric(problem_of(controller).robot, command)
+            _, J, _ = data.frame(contact.frame, pinocchio.LOCAL_WORLD_ALIGNED)
+            # the force that the row bounds does the work of the world's z
+            column = int(np.flatnonzero(program.A[row])[0])
+            np.testing.assert_allclose(program.A[:6, column], -J[2, :6], atol=1e-12)
 
 
 def test_all_feet_off_is_free_fall(controller: Controller, robot: Robot) -> None:
@@ -610,8 +642,17 @@ def test_posture_cost_against_dense_numpy(robot: Robot, controller: Controller) 
         qdd_des[6:] = command["posture.P"] * (command["posture.q_ref"] - command["q"][7:])
         qdd_des[6:] -= command["posture.D"] * command["v"][6:]
         nv = robot.nv
-        close((with_posture.H - without.H)[:nv, :nv], N.T @ W_q @ N)
-        close((with_posture.g - without.g)[:nv], -N.T @ W_q @ N @ qdd_des)
+        # where the tasks leave no freedom it is next to nothing, of the size of rounding:
+        # of the sum, and of P_null near a straight knee
+        H, g = N.T @ W_q @ N, -N.T @ W_q @ N @ qdd_des
+        eps, s = float(np.finfo(float).eps), np.linalg.svd(np.vstack(numeric.stacked()))[1]
+        condition = (s[0] ** 2 + DAMPING) / (s[-1] ** 2 + DAMPING)
+        for found, expected, whole in (
+            ((with_posture.H - without.H)[:nv, :nv], H, without.H),
+            ((with_posture.g - without.g)[:nv], g, without.g),
+        ):
+            in_projector = condition * np.abs(expected).max()
+            close(found, expected, 10 * eps * (np.abs(whole).max() + in_projector))
 
 
 def test_posture_does_not_disturb_the_tasks(controller: Controller) -> None:
@@ -689,7 +730,7 @@ def test_each_contact_row_alone_is_noticed(controller: Controller) -> None:
             ("minimum_force", fz + 1.0, "unilateral_force"),
             (
                 "friction",
-                0.9 * np.sqrt(2) * abs(pull) / fz,
+                0.99 * np.sqrt(2) * abs(pull) / fz,
                 f"friction.{'+' if pull > 0 else '-'}{axis}",
             ),
         ]
