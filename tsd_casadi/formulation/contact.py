@@ -29,6 +29,7 @@ class Contact(abc.ABC):
 
     Attributes:
         name: Name of the contact, first part of its fields' and rows' names.
+        frame: Name of its frame.
         size: How many components it carries.
         carried: What they are, in words.
         components: The same with their order.
@@ -46,10 +47,10 @@ class Contact(abc.ABC):
     axes: ClassVar[str]
     reply_axes: ClassVar[str]
 
-    def __init__(self, file: SoleFile | PointFile) -> None:
-        """Take a contact's name, frame and numbers from the robot file."""
+    def __init__(self, file: SoleFile | PointFile, frame: str) -> None:
+        """Take a contact's name and numbers from the robot file, and its frame in the model."""
         self.name = file.name
-        self.frame = file.frame
+        self.frame = frame
         self._friction, self._minimum_force = file.friction, file.minimum_force
 
     @abc.abstractmethod

@@ -15,7 +15,11 @@ def make_contacts(robot: Robot) -> list[Contact]:
     Returns:
         One contact per entry, in the file's order.
     """
-    return [
-        SoleContact(file) if isinstance(file, SoleFile) else PointContact(file)
-        for file in robot.description.contacts
-    ]
+    contacts: list[Contact] = []
+    for file in robot.description.contacts:
+        frame = robot.frame_name(file.name)
+        if isinstance(file, SoleFile):
+            contacts.append(SoleContact(file, frame))
+        else:
+            contacts.append(PointContact(file, frame))
+    return contacts

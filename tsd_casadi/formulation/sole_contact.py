@@ -24,9 +24,9 @@ class SoleContact(Contact):
     axes = "sole frame"
     reply_axes = "the sole frames of"
 
-    def __init__(self, file: SoleFile) -> None:
-        """Take a sole of the robot file."""
-        super().__init__(file)
+    def __init__(self, file: SoleFile, frame: str) -> None:
+        """Take a sole of the robot file, and its frame in the model."""
+        super().__init__(file, frame)
         self._torsional_friction = file.torsional_friction
         self._extents = (*file.x, *file.y)
 

@@ -45,7 +45,7 @@ class FrictionFeedforward(Compensator):
                 J_task = pinocchio.jacobianCenterOfMass(model, data, q)
             else:
                 rows = [FRAME_AXES.index(axis) for axis in task.axes]
-                frame = model.getFrameId(task.frame)
+                frame = self._robot.frame_id(task.name)
                 J_task = pinocchio.getFrameJacobian(
                     model, data, frame, pinocchio.LOCAL_WORLD_ALIGNED
                 )
