@@ -203,15 +203,11 @@ def error_of(path: Path) -> RobotFileError:
     return caught.value
 
 
-def test_a_point_has_to_touch_the_ground(write_quadruped: Write, mini_quadruped: Robot) -> None:
+def test_a_point_has_to_touch_the_ground(write_quadruped: Write) -> None:
     error = error_of(write_quadruped(lambda d: d["home"].update(fl_bend=-1.35)))
     assert error.field == "home"
     assert re.search(r"leaves \w+_ground [\d.]+ mm off the ground plane", str(error))
     assert "all points on one plane" in error.expected
-    # one leg lifted a little is level enough: the others take a quarter of it
-    low = mini_quadruped.model.createData()
-    feet_jacobian(mini_quadruped.feet, mini_quadruped.model, low, mini_quadruped.home.q)
-    assert FLATNESS < 2e-3
 
 
 @pytest.mark.parametrize("angle", [-1.404, -1.396])
