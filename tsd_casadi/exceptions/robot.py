@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from tsd_casadi.exceptions.base import TsdError
@@ -58,24 +59,49 @@ class UnknownRobot(RobotError):
         )
 
 
-class ParityError(RobotError):
-    """Two descriptions of one robot disagree.
+@dataclass(frozen=True)
+class Discrepancy:
+    """One way in which a scene is not the robot described.
 
     Attributes:
-        quantity: What was compared.
-        difference: Largest absolute difference.
+        element: Body, joint, contact or option by name, for instance 'joint left_knee'.
+        quantity: What was compared there.
+        found: What it is in the scene, with its unit.
+        expected: What it is in the description, with its unit.
+        remedy: What to change.
+    """
+
+    element: str
+    quantity: str
+    found: str
+    expected: str
+    remedy: str
+
+    def __str__(self) -> str:
+        """Write it in one line."""
+        return (
+            f"{self.element}: {self.quantity} is {self.found} in the scene, expected "
+            f"{self.expected}; {self.remedy}"
+        )
+
+
+class ParityError(RobotError):
+    """A robot's description and its scene disagree.
+
+    Attributes:
+        path: The scene.
+        discrepancies: Everything that differs.
     """
 
     code = "parity"
-    quantity: str | None = None
-    difference: float | None = None
+    path: Path | None = None
+    discrepancies: list[Discrepancy] | None = None
 
-    def __init__(self, robot: str, quantity: str, difference: float, allowed: float) -> None:
-        """Create the error for one quantity."""
-        self.quantity = quantity
-        self.difference = difference
-        super().__init__(
-            f"robot '{robot}': {quantity} from the URDF and from the MuJoCo scene differ "
-            f"by {difference:.3g}, expected at most {allowed:.0e}; compare masses, "
-            "inertias, joint axes and placements in the two files"
-        )
+    def __init__(self, robot: str, path: Path, discrepancies: Sequence[Discrepancy]) -> None:
+        """Create the error for one scene."""
+        self.path = path
+        self.discrepancies = list(discrepancies)
+        count = len(self.discrepancies)
+        ways = "one way" if count == 1 else f"{count} ways"
+        lines = "".join(f"\n  {discrepancy}" for discrepancy in self.discrepancies)
+        super().__init__(f"{path}: this scene is not the robot '{robot}' in {ways}:{lines}")
