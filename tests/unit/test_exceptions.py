@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from tsd_casadi import exceptions
-from tsd_casadi.exceptions import Discrepancy, TsdError
+from tsd_casadi.exceptions import TsdError
+from tsd_casadi.exceptions.discrepancy import Discrepancy
 from tsd_casadi.wire.error import ErrorMessage
 
 HERE = Path("/some/where/robot.yaml")

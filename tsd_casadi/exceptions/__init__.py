@@ -54,13 +54,7 @@ from tsd_casadi.exceptions.learning import (
     LearningError,
     OutsideTrainedRange,
 )
-from tsd_casadi.exceptions.robot import (
-    Discrepancy,
-    ParityError,
-    RobotError,
-    RobotFileError,
-    UnknownRobot,
-)
+from tsd_casadi.exceptions.robot import ParityError, RobotError, RobotFileError, UnknownRobot
 from tsd_casadi.exceptions.services import (
     EndpointTaken,
     ServiceError,
@@ -85,7 +79,6 @@ __all__ = [
     "CompilerNotFound",
     "ControllerError",
     "DatabaseError",
-    "Discrepancy",
     "EndpointTaken",
     "EntryNotFound",
     "IncompatibleEntry",

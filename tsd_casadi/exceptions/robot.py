@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from tsd_casadi.exceptions.base import TsdError
 from tsd_casadi.exceptions.did_you_mean import did_you_mean
+from tsd_casadi.exceptions.discrepancy import Discrepancy
 
 
 class RobotError(TsdError):
@@ -56,32 +56,6 @@ class UnknownRobot(RobotError):
         super().__init__(
             f"no robot '{name}'; expected one of {', '.join(known)}, "
             f"or the path of a robot file (.yaml){did_you_mean(name, known)}"
-        )
-
-
-@dataclass(frozen=True)
-class Discrepancy:
-    """One way in which a scene is not the robot described.
-
-    Attributes:
-        element: Body, joint, contact or option by name, for instance 'joint left_knee'.
-        quantity: What was compared there.
-        found: What it is in the scene, with its unit.
-        expected: What it is in the description, with its unit.
-        remedy: What to change.
-    """
-
-    element: str
-    quantity: str
-    found: str
-    expected: str
-    remedy: str
-
-    def __str__(self) -> str:
-        """Write it in one line."""
-        return (
-            f"{self.element}: {self.quantity} is {self.found} in the scene, expected "
-            f"{self.expected}; {self.remedy}"
         )
 
 

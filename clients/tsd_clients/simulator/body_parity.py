@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio
 
-from tsd_casadi.exceptions import Discrepancy
+from tsd_casadi.exceptions.discrepancy import Discrepancy
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Vector
 from tsd_clients.simulator.build_scene import BASE, joint_axis
@@ -127,7 +127,7 @@ class _Comparison:
         found = placement.rotation.T @ body.axis
         if np.linalg.norm(found - axis) > TOLERANCE:
             remedy = f'set axis="{_numbers(axis)}" in the frame of its link'
-            vectors = (f"({_numbers(vector)})" for vector in (found, axis))
+            vectors = f"({_numbers(found)})", f"({_numbers(axis)})"
             return [Discrepancy(self._name, "axis", *vectors, remedy)]
         anchor = placement.actInv(body.anchor)
         off = anchor - axis * (axis @ anchor)  # a point of the axis may be any
@@ -144,14 +144,18 @@ class _Comparison:
         found = placement.inverse().act(self._body.inertia)
         differences = []
         if np.linalg.norm(found.lever - expected.lever) > TOLERANCE * self._length:
-            vectors = (f"({_numbers(each.lever)}) m" for each in (found, expected))
+            vectors = f"({_numbers(found.lever)}) m", f"({_numbers(expected.lever)}) m"
             remedy = "set the pos of its inertial, in the link's frame"
             differences.append(self._of_body("centre of mass", *vectors, remedy))
         off = np.abs(found.inertia - expected.inertia)
         nothing = NOTHING * self._total * self._length**2
         if off.max() > max(TOLERANCE * np.abs(expected.inertia).max(), nothing):
             entry = max(ENTRIES, key=lambda name: off[ENTRIES[name]])
-            values = (f"{each.inertia[ENTRIES[entry]]:.9g} kg m^2" for each in (found, expected))
+            row, column = ENTRIES[entry]
+            values = (
+                f"{found.inertia[row, column]:.9g} kg m^2",
+                f"{expected.inertia[row, column]:.9g} kg m^2",
+            )
             order = " ".join(f"{expected.inertia[place]:.9g}" for place in ENTRIES.values())
             remedy = f'set fullinertia="{order}" with quat 1 0 0 0 in the link\'s axes'
             quantity = f"{entry} about its centre of mass"

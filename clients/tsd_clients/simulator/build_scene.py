@@ -50,10 +50,10 @@ def build_scene(robot: Robot) -> Any:
     spec.option.impratio = IMPRATIO
     spec.option.gravity = robot.model.gravity.linear
     add_floor(spec)
-    names, bodies = body_names(robot), [spec.worldbody]
+    bodies = [spec.worldbody]
     for joint in range(BASE, robot.model.njoints):
         parent = bodies[robot.model.parents[joint]]
-        bodies.append(_add_body(robot, joint, names[joint], parent))
+        bodies.append(_add_body(robot, joint, parent))
     for name, limit in zip(robot.joint_names, robot.torque_limit, strict=True):
         motor = spec.add_actuator(
             name=name,
@@ -69,22 +69,11 @@ def build_scene(robot: Robot) -> Any:
     return spec
 
 
-def body_names(robot: Robot) -> list[str]:
-    """Name each joint's body after the link that the joint moves, the world first."""
-    model = robot.model
-    names = ["world"] + [""] * (model.njoints - 1)
-    for frame in model.frames:
-        # the first link of a joint is the one that it moves, others are fixed to it
-        if frame.type == pinocchio.FrameType.BODY and not names[frame.parentJoint]:
-            names[frame.parentJoint] = frame.name
-    return [name or model.names[joint] for joint, name in enumerate(names)]
-
-
-def _add_body(robot: Robot, joint: int, name: str, parent: Any) -> Any:
+def _add_body(robot: Robot, joint: int, parent: Any) -> Any:
     model = robot.model
     placement, inertia = model.jointPlacements[joint], model.inertias[joint]
     body = parent.add_body(
-        name=name,
+        name=robot.bodies.link_of(joint),
         pos=placement.translation,
         quat=_wxyz(placement.rotation),
         explicitinertial=True,

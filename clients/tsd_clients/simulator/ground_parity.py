@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pinocchio
 
-from tsd_casadi.exceptions import Discrepancy
+from tsd_casadi.exceptions.discrepancy import Discrepancy
 from tsd_casadi.robot.checks import FLATNESS
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.robot.robot_file_sections import Contact, SoleFile

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pinocchio
 
-from tsd_casadi.exceptions import Discrepancy
+from tsd_casadi.exceptions.discrepancy import Discrepancy
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.simulator.rounding import TOLERANCE
 from tsd_clients.simulator.state_map import StateMap
@@ -31,9 +31,9 @@ def compare_joints(robot: Robot, model: Any, state_map: StateMap) -> list[Discre
             float(robot.model.armature[place.idx_v]),
             float(M[place.idx_v, place.idx_v]),
         )
-        bounds = (robot.model.lowerPositionLimit[place.idx_q],)
-        bounds = (*bounds, robot.model.upperPositionLimit[place.idx_q])
-        found += _range(f"joint {name}", model, joint, bounds)
+        low = float(robot.model.lowerPositionLimit[place.idx_q])
+        high = float(robot.model.upperPositionLimit[place.idx_q])
+        found += _range(f"joint {name}", model, joint, (low, high))
         found += _motor(name, model, int(state_map.actuators[index]), joint, robot, index)
     return found
 
@@ -67,7 +67,7 @@ def _range(joint: str, model: Any, index: int, expected: tuple[float, ...]) -> l
     remedy = 'set limited="false"' if unlimited else f'set range="{_pair(expected)}"'
     remedy += ", or override position in the robot file"
     unit = "m" if model.jnt_type[index] == mujoco.mjtJoint.mjJNT_SLIDE else "rad"
-    values = (f"[{_pair(each)}] {unit}" for each in (found, expected))
+    values = f"[{_pair(found)}] {unit}", f"[{_pair(expected)}] {unit}"
     return [Discrepancy(joint, "range", *values, remedy)]
 
 

@@ -9,7 +9,8 @@ import mujoco
 import numpy as np
 import pinocchio
 
-from tsd_casadi.exceptions import Discrepancy, ParityError
+from tsd_casadi.exceptions import ParityError
+from tsd_casadi.exceptions.discrepancy import Discrepancy
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State
 from tsd_clients.simulator.body_parity import compare_bodies

@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from tsd_casadi.exceptions import Discrepancy
+from tsd_casadi.exceptions.discrepancy import Discrepancy
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.simulator.rounding import TOLERANCE
 
@@ -76,7 +76,7 @@ def compare_passive_forces(robot: Robot, model: Any) -> list[Discrepancy]:
     ]
     given, gravity = model.opt.gravity, robot.model.gravity.linear
     if np.linalg.norm(given - gravity) > TOLERANCE * np.linalg.norm(gravity):
-        values = (f"({_numbers(each)}) m/s^2" for each in (given, gravity))
+        values = f"({_numbers(given)}) m/s^2", f"({_numbers(gravity)}) m/s^2"
         remedy = f'set gravity="{_numbers(gravity)}"'
         found.append(Discrepancy("option", "gravity", *values, remedy))
     return found

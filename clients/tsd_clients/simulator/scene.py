@@ -22,7 +22,7 @@ def load_scene(robot: Robot) -> Any:
         RobotFileError: If the scene cannot be loaded, or the robot not be simulated.
     """
     try:
-        if robot.description.scene is None:
+        if robot.scene_path is None:
             return build_scene(robot).compile()
         return mujoco.MjModel.from_xml_path(str(robot.scene_path))
     except ValueError as error:
@@ -34,4 +34,4 @@ def load_scene(robot: Robot) -> Any:
 
 def scene_file(robot: Robot) -> Path:
     """Tell which file a mistake in the scene is in: the robot's own where none is named."""
-    return robot.path if robot.description.scene is None else robot.scene_path
+    return robot.scene_path or robot.path
