@@ -16,7 +16,7 @@ from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.robot.captured_stderr import captured_stderr
 from tsd_casadi.robot.description import Description
 from tsd_casadi.robot.mesh_path import find_mesh
-from tsd_casadi.robot.robot import Robot
+from tsd_casadi.robot.rigid_body_model import RigidBodyModel
 
 Use = Literal["visual", "collision"]
 
@@ -26,7 +26,8 @@ class Geometry:
     """Shapes on the bodies of a robot's model.
 
     Attributes:
-        model: ``pinocchio.GeometryModel``; parent joints are those of ``Robot.model``.
+        model: ``pinocchio.GeometryModel``; parent joints are those of
+            ``RigidBodyModel.model``.
         missing: Mesh files that the description names and that are not there.
     """
 
@@ -34,8 +35,10 @@ class Geometry:
     missing: tuple[str, ...]
 
 
-def load_geometry(robot: Robot, use: Use, links: Collection[str] | None = None) -> Geometry:
-    """Load the shapes of a robot's links, meshes included.
+def load_geometry(
+    bodies: RigidBodyModel, use: Use, links: Collection[str] | None = None
+) -> Geometry:
+    """Load the shapes of links, meshes included.
 
     Locked joints are at their angles. Meshes that are missing are left out.
 
@@ -46,11 +49,11 @@ def load_geometry(robot: Robot, use: Use, links: Collection[str] | None = None) 
     Raises:
         RobotFileError: If a mesh that is there cannot be read.
     """
-    description = copy.deepcopy(robot.bodies.description)
+    description = copy.deepcopy(bodies.description)
     build = _of_urdf if description.kind == "urdf" else _of_mjcf
     try:
         with captured_stderr():
-            full, missing = build(robot.bodies.full, description, use, links)
+            full, missing = build(bodies.full, description, use, links)
     except (ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split())
         raise RobotFileError(
@@ -59,7 +62,6 @@ def load_geometry(robot: Robot, use: Use, links: Collection[str] | None = None) 
             f"names a mesh that cannot be read ({reason})",
             "STL, OBJ or Collada files",
         ) from error
-    bodies = robot.bodies
     _, (reduced,) = pinocchio.buildReducedModel(
         bodies.full, [full], bodies.locked, bodies.locked_at
     )

@@ -14,6 +14,7 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.exceptions import RobotFileError
+from tsd_casadi.robot.inertias import ROUNDING
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
 from tsd_clients.simulator.feet import add_feet
@@ -26,9 +27,9 @@ IMPRATIO = 10.0
 # a link without mass between two joints is allowed; MuJoCo wants more than
 # 1e-15, and this much changes nothing that counts [kg, kg m^2]
 LEAST = 1e-12
-# of a flat body the largest moment of inertia is the sum of the others, up to what
-# nine digits in a file leave; MuJoCo would refuse it for exceeding that. Relative
-ROUNDING, MARGIN = 1e-9, 1e-12
+# of a flat body the largest moment of inertia is the sum of the others; MuJoCo
+# refuses more than that, which rounded numbers may be by ``ROUNDING``. Relative
+MARGIN = 1e-9
 BASE = 1  # Pinocchio's first joint, the free-flyer
 
 
@@ -136,10 +137,9 @@ def _wxyz(rotation: Matrix) -> Vector:
 
 def _entries(inertia: Matrix) -> Vector:
     """Order the entries as MuJoCo does: xx yy zz xy xz yz."""
-    if np.abs(inertia).max() < LEAST:
-        inertia = LEAST * np.eye(3)
     least, middle, largest = np.linalg.eigvalsh(inertia)
-    excess = (largest - middle - least) / largest
-    if -MARGIN < excess < ROUNDING:
-        inertia = inertia + (excess + 2 * MARGIN) * largest * np.eye(3)
+    lacking, added = largest - middle - least, 0.0
+    if -MARGIN * largest < lacking < 2 * ROUNDING * largest:
+        added = lacking + 2 * MARGIN * largest
+    inertia = inertia + max(added, LEAST - least, 0.0) * np.eye(3)
     return np.asarray(inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]])

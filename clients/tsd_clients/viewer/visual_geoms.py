@@ -34,7 +34,7 @@ def add_visuals(spec: Any, robot: Robot) -> tuple[str, ...]:
     Returns:
         Mesh files that are missing, without which the picture has to do.
     """
-    geometry = load_geometry(robot, "visual")
+    geometry = load_geometry(robot.bodies, "visual")
     shown = set()
     for number, shape in enumerate(geometry.model.geometryObjects):
         link = robot.bodies.link_of(shape.parentJoint)
