@@ -9,10 +9,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from tsd_casadi.exceptions import TsdError
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.state import State
 from tsd_clients.simulator.state_map import StateMap
 from tsd_clients.viewer.picture_scene import load_picture_scene
+from tsd_clients.viewer.rendering import REFUSED
 
 # GL without a graphics card draws shadows of 4096 x 4096 for seconds [pixels]
 SHADOW = 1024
@@ -72,6 +74,9 @@ def _top(model: Any, data: Any) -> float:
 if __name__ == "__main__":
     robot_file, given_file, target_file = map(Path, sys.argv[1:4])
     pixels = int(sys.argv[4]), int(sys.argv[5])
-    draw_postures(
-        robot_file, given_file, target_file, *pixels, float(sys.argv[6]) if sys.argv[6] else None
-    )
+    seen_from = float(sys.argv[6]) if sys.argv[6] else None
+    try:
+        draw_postures(robot_file, given_file, target_file, *pixels, seen_from)
+    except TsdError as error:
+        print(error, file=sys.stderr)
+        sys.exit(REFUSED)

@@ -6,6 +6,7 @@ from typing import Any
 
 import mujoco
 
+from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.simulator.build_scene import build_scene
 from tsd_clients.simulator.ground import FLOOR
@@ -27,13 +28,22 @@ def load_picture_scene(robot: Robot) -> Any:
     Returns:
         ``mujoco.MjModel``: the robot's scene, or where it has none the one that a
         simulation would use, with the description's visual shapes.
+
+    Raises:
+        RobotFileError: If the scene or a mesh that is there cannot be used.
     """
     if robot.scene_path is not None:
         return load_scene(robot)
     spec = build_scene(robot)
     add_visuals(spec, robot)
     _add_surroundings(spec)
-    return spec.compile()
+    try:
+        return spec.compile()
+    except ValueError as error:
+        reason = " ".join(str(error).split())
+        raise RobotFileError(
+            robot.source_path, "", f"cannot be drawn ({reason})", "shapes that MuJoCo takes"
+        ) from error
 
 
 def _add_surroundings(spec: Any) -> None:

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix
@@ -33,6 +34,8 @@ HINT = (
 WIDTH, HEIGHT = 480, 640
 # how long rendering may take: its start, and each picture
 PATIENCE, PATIENCE_PER_PICTURE = 60.0, 2.0  # s
+# how the drawing process ends where a library is not to blame
+REFUSED = 3
 COLORS = 128  # of a GIF
 PALETTE_STEP = 8  # frames between two of those that the colours are chosen from
 
@@ -76,6 +79,9 @@ def render_postures(
 
     Returns:
         (N, height, width, 3) of bytes; None if no GL library works, see ``HINT``.
+
+    Raises:
+        RobotFileError: If the robot cannot be drawn: its scene, or a mesh that is there.
     """
     with tempfile.TemporaryDirectory(prefix="tsd-render-") as folder:
         given, target = Path(folder) / "postures.npy", Path(folder) / "frames.npy"
@@ -133,6 +139,11 @@ def _libraries() -> tuple[str, ...]:
 
 
 def _render_apart(library: str, arguments: list[str], patience: float) -> bool:
+    """Draw in a process of its own; False where the library does not work.
+
+    Raises:
+        RobotFileError: If the robot cannot be drawn, with any library.
+    """
     command = [sys.executable, "-m", "tsd_clients.viewer.drawing", *arguments]
     environment = {**os.environ, "MUJOCO_GL": library}
     try:
@@ -141,4 +152,6 @@ def _render_apart(library: str, arguments: list[str], patience: float) -> bool:
         )
     except subprocess.TimeoutExpired:
         return False
+    if done.returncode == REFUSED:
+        raise RobotFileError.of_message(done.stderr.decode(errors="replace").strip())
     return done.returncode == 0
