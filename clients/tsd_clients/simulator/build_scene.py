@@ -29,7 +29,7 @@ IMPRATIO = 10.0
 LEAST = 1e-12
 # of a flat body the largest moment of inertia is the sum of the others; MuJoCo
 # refuses more than that, which rounded numbers may be by ``ROUNDING``. Relative
-MARGIN = 1e-9
+MARGIN = 1e-12
 BASE = 1  # Pinocchio's first joint, the free-flyer
 
 
@@ -73,6 +73,7 @@ def build_scene(robot: Robot) -> Any:
 def _add_body(robot: Robot, joint: int, parent: Any) -> Any:
     model = robot.model
     placement, inertia = model.jointPlacements[joint], model.inertias[joint]
+    moments, axes = _principal(inertia.inertia)
     body = parent.add_body(
         name=robot.bodies.link_of(joint),
         pos=placement.translation,
@@ -80,7 +81,8 @@ def _add_body(robot: Robot, joint: int, parent: Any) -> Any:
         explicitinertial=True,
         mass=max(inertia.mass, LEAST),
         ipos=inertia.lever,
-        fullinertia=_entries(inertia.inertia),
+        inertia=moments,
+        iquat=axes,
     )
     if joint == BASE:
         body.add_freejoint(name=BASE_JOINT)
@@ -135,11 +137,16 @@ def _wxyz(rotation: Matrix) -> Vector:
     return quaternion
 
 
-def _entries(inertia: Matrix) -> Vector:
-    """Order the entries as MuJoCo does: xx yy zz xy xz yz."""
-    least, middle, largest = np.linalg.eigvalsh(inertia)
+def _principal(inertia: Matrix) -> tuple[Vector, Vector]:
+    """Decompose an inertia, more precisely than every release of MuJoCo does.
+
+    Returns:
+        Principal moments that MuJoCo takes, (3,), and the quaternion wxyz of their axes.
+    """
+    moments, axes = np.linalg.eigh(inertia)
+    least, middle, largest = moments
     lacking, added = largest - middle - least, 0.0
     if -MARGIN * largest < lacking < 2 * ROUNDING * largest:
         added = lacking + 2 * MARGIN * largest
-    inertia = inertia + max(added, LEAST - least, 0.0) * np.eye(3)
-    return np.asarray(inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]])
+    axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])  # right-handed
+    return moments + max(added, LEAST - least, 0.0), _wxyz(axes)

@@ -12,6 +12,7 @@ import numpy as np
 from tsd_casadi.robot.geometry import load_geometry
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
+from tsd_clients.viewer.triangles import triangles
 
 # MuJoCo takes 200,000 in a mesh
 FACES = 100_000
@@ -21,8 +22,6 @@ HIDDEN = 3
 STICK = 0.03
 SHORTEST_STICK = 0.01
 STICK_COLOR = (0.55, 0.60, 0.66, 1.0)
-# twice the area below which a triangle is a line [m^2]
-LEAST_AREA = 1e-12
 
 
 def add_visuals(spec: Any, robot: Robot) -> tuple[str, ...]:
@@ -69,30 +68,27 @@ def _geoms(spec: Any, shape: Any, name: str) -> Iterator[dict[str, Any]]:
     elif isinstance(kind, coal.Ellipsoid):
         yield {"type": types.mjGEOM_ELLIPSOID, "size": kind.radii}
     elif isinstance(kind, coal.BVHModelBase):
-        vertices, faces = _triangles(kind)
-        if np.prod(shape.meshScale) < 0:
-            faces = faces[:, ::-1]  # mirrored: what was outside is again
-        for part, start in enumerate(range(0, len(faces), FACES)):
-            mesh = f"{name}.{part}"
-            used, local = np.unique(faces[start : start + FACES], return_inverse=True)
-            spec.add_mesh(
-                name=mesh,
-                uservert=vertices[used].astype(np.float32).ravel(),
-                userface=local.astype(np.int32).ravel(),
-                # a picture needs no volume: open and flat meshes have none
-                inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
-            )
-            yield {"type": types.mjGEOM_MESH, "meshname": mesh}
+        yield from _mesh(spec, kind, name, mirrored=np.prod(shape.meshScale) < 0)
 
 
-def _triangles(mesh: Any) -> tuple[Matrix, Any]:
-    """Read a mesh's vertices and those faces that are more than lines."""
-    vertices = np.asarray(mesh.vertices(), dtype=float)
-    triangles = (mesh.tri_indices(index) for index in range(mesh.num_tris))
-    faces = np.array([(face[0], face[1], face[2]) for face in triangles]).reshape(-1, 3)
-    first, second, third = (vertices[faces[:, corner]] for corner in range(3))
-    area = np.linalg.norm(np.cross(second - first, third - first), axis=1)
-    return vertices, faces[area > LEAST_AREA]
+def _mesh(spec: Any, mesh: Any, name: str, *, mirrored: bool) -> Iterator[dict[str, Any]]:
+    vertices, faces = triangles(mesh)
+    if mirrored:
+        faces = faces[:, ::-1]  # what was outside is again
+    # of vertices alone MuJoCo makes their hull
+    parts = [faces[start : start + FACES] for start in range(0, len(faces), FACES)] or [faces]
+    for number, part in enumerate(parts):
+        used, local = np.unique(part, return_inverse=True)
+        corners = vertices[used] if len(part) else vertices
+        made = spec.add_mesh(
+            name=f"{name}.{number}",
+            uservert=corners.astype(np.float32).ravel(),
+            # a picture needs no volume: open and flat meshes have none
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+        )
+        if len(part):
+            made.userface = local.astype(np.int32).ravel()
+        yield {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": made.name}
 
 
 def _add_sticks(spec: Any, robot: Robot) -> None:
@@ -112,8 +108,9 @@ def _add_sticks(spec: Any, robot: Robot) -> None:
 
 
 def _color(shape: Any) -> Vector:
+    """Take a shape's colour; black or transparent is what exporters write for none."""
     color = np.array(shape.meshColor, dtype=float)
-    return color if color[3] > 0 else np.array(STICK_COLOR)
+    return color if color[:3].any() and color[3] > 0 else np.array(STICK_COLOR)
 
 
 def _wxyz(rotation: Matrix) -> Vector:
