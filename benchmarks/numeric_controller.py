@@ -43,7 +43,7 @@ class NumericController:
         self._data = self._model.createData()
         self._contacts = problem.robot.description.contacts
         self._frames = {
-            part.frame: self._model.getFrameId(part.frame)
+            part.frame: problem.robot.frame_id(part.name)
             for part in (*self._contacts, *problem.robot.description.tasks)
             if hasattr(part, "frame")
         }

@@ -87,8 +87,8 @@ def write_robot(robot: Robot, tmp_path: Path) -> Callable[..., Path]:
         document = yaml.safe_load(robot.path.read_text())
         edit(document)
         path.write_text(yaml.safe_dump(document))
-        urdf_path = folder / robot.urdf_path.name
-        urdf_path.write_text(urdf(robot.urdf_path.read_text()))
+        source_path = folder / robot.source_path.name
+        source_path.write_text(urdf(robot.source_path.read_text()))
         return path
 
     return write

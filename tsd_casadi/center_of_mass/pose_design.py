@@ -83,7 +83,7 @@ class _Candidates:
         self._rng = np.random.default_rng((seed, 4))
         self._soles = robot.sole_placements(robot.home.q)
         self._frames = [
-            self._model.getFrameId(task.frame)
+            robot.frame_id(task.name)
             for task in robot.description.tasks
             if isinstance(task, FrameTaskFile) and {"rx", "ry", "rz"} <= set(task.axes)
         ]

@@ -211,7 +211,7 @@ class InverseDynamics:
             selection = ca.SX(6, 6 * len(files))
             selection[:, 6 * index : 6 * index + 6] = ca.SX.eye(6)
             active = self._read(f"{name}.active")
-            sole = self._dynamics.frame(contact.frame, local=True)
+            sole = self._dynamics.frame(self.robot.frame_name(name), local=True)
             J_all.append(sole.J)
             J_active.append(active * sole.J)
             equalities.append(contact_acceleration(name, sole.J, sole.drift, active, selection))

@@ -96,7 +96,7 @@ def _joint_fields(robot: Robot) -> tuple[Field, ...]:
             "rad/s^2",
             "bound of |qdd| of the joints",
             lower=0.0,
-            default=(robot.description.limits.acceleration,) * n,
+            default=tuple(robot.acceleration_limit),
         ),
         Field(
             "safe_torque.D",

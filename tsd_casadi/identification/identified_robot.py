@@ -9,6 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from tsd_casadi.exceptions import RobotFileError
+from tsd_casadi.robot.description_path import PACKAGE
 from tsd_casadi.robot.robot import Robot, load_robot
 
 FIXED = "fixed"
@@ -40,30 +41,32 @@ def write_robot(robot: Robot, inertias: Sequence[Any], folder: Path) -> Robot:
         RobotFileError: If what was written cannot be used.
     """
     # what is written must be the copy, and the copy must find it
-    if not robot.urdf_path.resolve().is_relative_to(robot.path.parent.resolve()):
+    source = robot.description.source
+    if robot.description.urdf is None or source.startswith(PACKAGE):
         raise RobotFileError(
             robot.path,
             "urdf",
-            f"is {robot.description.urdf}, outside the robot file's folder",
-            "a path below that folder, for the folder is copied",
+            f"is '{source}', which cannot be copied with other inertias",
+            "a URDF in the robot file's folder, for the folder is copied",
         )
     shutil.copytree(robot.path.parent, folder, dirs_exist_ok=True)
-    tree = ElementTree.parse(robot.urdf_path)
+    tree = ElementTree.parse(robot.source_path)
     links = {link.get("name"): link for link in tree.iter("link")}
     names = [None, *list(robot.model.names)[2:]]
     bodies = dict(zip(names, inertias, strict=True))
+    locked = {robot.bodies.full.names[index] for index in robot.bodies.locked}
     children = set()
     for joint in tree.getroot().findall("joint"):
         child = _child(joint)
         children.add(child)
-        if joint.get("type") == FIXED:
+        if joint.get("type") == FIXED or joint.get("name") in locked:
             _remove_inertia(links[child])
         else:
             _set_inertia(links[child], bodies[joint.get("name")])
     (root,) = set(links) - children
     _set_inertia(links[root], bodies[None])
     path = folder / robot.path.name
-    place = robot.urdf_path.resolve().relative_to(robot.path.parent.resolve())
+    place = robot.source_path.resolve().relative_to(robot.path.parent.resolve())
     tree.write(folder / place, xml_declaration=True, encoding="utf-8")
     return load_robot(path)
 

@@ -45,7 +45,7 @@ def free_motions(robot: Robot, q: Vector) -> Matrix:
     J = np.vstack(
         [
             pinocchio.computeFrameJacobian(
-                model, data, q, model.getFrameId(contact.frame), pinocchio.LOCAL
+                model, data, q, robot.frame_id(contact.name), pinocchio.LOCAL
             )
             for contact in robot.description.contacts
         ]

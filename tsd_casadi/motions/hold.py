@@ -16,6 +16,6 @@ def hold(command: Command, robot: Robot, posture: State) -> None:
         if isinstance(task, ComTaskFile):
             command[f"{task.name}.reference"] = robot.center_of_mass(posture.q)
         else:
-            position, quaternion = robot.frame_placement(task.frame, posture.q)
+            position, quaternion = robot.frame_placement(robot.frame_name(task.name), posture.q)
             command[f"{task.name}.reference"] = np.concatenate((position, quaternion))
     command["posture.q_ref"] = posture.q[7:]

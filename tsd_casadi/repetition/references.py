@@ -62,7 +62,7 @@ class References:
         self._com_x = _indices(place.position(task, FRAME_AXES[way]) for _, task, way in com)
         self._frames = [
             (
-                robot.model.getFrameId(part.frame),
+                robot.frame_id(task),
                 place.field("reference", task),
                 _indices(i for i, owner, _ in tracked if owner == task),
                 _indices(way for _, owner, way in tracked if owner == task),

@@ -8,6 +8,8 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.exceptions import RobotFileError
+from tsd_casadi.exceptions.did_you_mean import nearest
+from tsd_casadi.robot.inertias import override_lines, what_is_wrong
 
 if TYPE_CHECKING:
     from tsd_casadi.robot.robot import Robot
@@ -16,6 +18,8 @@ if TYPE_CHECKING:
 FLATNESS = 1e-3
 # singular value of the contact Jacobian below which a direction counts as lost
 RANK_TOLERANCE = 1e-4
+# more than any motor: a number that stands for no limit [N m]
+HIGHEST_TORQUE = 1e6
 
 
 def check_robot(robot: Robot) -> None:
@@ -25,10 +29,11 @@ def check_robot(robot: Robot) -> None:
         RobotFileError: If a name is unknown, a limit is missing or exceeded, a
             posture does not stand flat, or the feet depend on each other.
     """
-    _check_frames(robot)
     _check_joints(robot)
     _check_torque_limits(robot)
+    _check_inertias(robot)
     _check_angles(robot)
+    _check_weight(robot)
     _check_flat_soles(robot)
     _check_mobility(robot)
 
@@ -42,59 +47,85 @@ def _postures(robot: Robot) -> list[tuple[str, str, dict[str, float]]]:
     ]
 
 
-def _check_frames(robot: Robot) -> None:
-    frames = [frame.name for frame in robot.model.frames]
-    for kind, parts in (
-        ("contacts", robot.description.contacts),
-        ("tasks", robot.description.tasks),
-    ):
-        for index, part in enumerate(parts):
-            frame = getattr(part, "frame", None)
-            if frame is not None and frame not in frames:
-                raise RobotFileError(
-                    robot.path,
-                    f"{kind}.{index}.frame",
-                    f"'{frame}' is no frame of {robot.urdf_path.name}",
-                    f"one of {', '.join(frames[1:])}",
-                )
-
-
 def _check_joints(robot: Robot) -> None:
+    locked = [robot.bodies.full.names[index] for index in robot.bodies.locked]
     for _, field, joints in _postures(robot):
         for joint in joints:
+            if joint in locked:
+                raise RobotFileError(
+                    robot.path, f"{field}.{joint}", "is locked", f"its angle at 'locked.{joint}'"
+                )
             if joint not in robot.joint_names:
                 raise RobotFileError(
                     robot.path,
                     f"{field}.{joint}",
-                    f"is no joint of {robot.urdf_path.name}",
-                    f"one of {', '.join(robot.joint_names)}",
+                    f"is no joint of {robot.source_path.name}",
+                    nearest(joint, robot.joint_names),
                 )
 
 
 def _check_torque_limits(robot: Robot) -> None:
     for joint, limit in zip(robot.joint_names, robot.torque_limit, strict=True):
-        if not 0 < limit < 1e6:
+        if not 0 < limit < HIGHEST_TORQUE:
             raise RobotFileError(
-                robot.urdf_path,
+                robot.source_path,
                 f"joint {joint}, limit, effort",
                 f"is {limit:g}",
-                "a positive torque limit in N m",
+                "a positive torque limit in N m, there or in the robot file, "
+                f"'effort: {{{joint}: 50.0}}'; or the joint locked, 'locked: {{{joint}: 0.0}}'",
+            )
+
+
+def _check_inertias(robot: Robot) -> None:
+    model = robot.model
+    for joint in range(1, model.njoints):
+        inertia = model.inertias[joint]
+        wrong = what_is_wrong(inertia)
+        link = robot.bodies.link_of(joint)
+        if wrong is not None:
+            lines = override_lines(link, inertia)
+            expected = f"what a body can have, for instance in {robot.path.name}: {lines}"
+            raise RobotFileError(robot.source_path, f"link {link}", wrong, expected)
+    data = model.createData()
+    pinocchio.computeSubtreeMasses(model, data)
+    for joint in range(2, model.njoints):
+        if not data.mass[joint] > 0:
+            name = model.names[joint]
+            raise RobotFileError(
+                robot.source_path,
+                f"joint {name}",
+                "moves nothing that has a mass",
+                f"masses behind it, or 'locked: {{{name}: 0.0}}' in {robot.path.name}",
             )
 
 
 def _check_angles(robot: Robot) -> None:
+    """See to the limits of every joint of a posture, of those that are not written too."""
     model = robot.model
-    for _, field, joints in _postures(robot):
-        for joint, angle in joints.items():
+    for name, field, joints in _postures(robot):
+        q = robot.posture(name).q
+        for joint in robot.joint_names:
             index = model.joints[model.getJointId(joint)].idx_q
             low, high = model.lowerPositionLimit[index], model.upperPositionLimit[index]
-            if not low <= angle <= high:
+            if not low <= q[index] <= high:
+                left_out = "" if joint in joints else ", since it is left out"
                 raise RobotFileError(
                     robot.path,
                     f"{field}.{joint}",
-                    f"is {angle:g} rad",
+                    f"is {q[index]:g} rad{left_out}",
                     f"a value from {low:g} to {high:g} rad",
                 )
+
+
+def _check_weight(robot: Robot) -> None:
+    least = sum(contact.minimum_force for contact in robot.description.contacts)
+    if robot.weight <= least:
+        raise RobotFileError(
+            robot.path,
+            "contacts",
+            f"press on the ground with {least:g} N at least, the robot weighs {robot.weight:.3g} N",
+            "minimum forces that add up to less than the weight, or the masses of the robot",
+        )
 
 
 def _check_flat_soles(robot: Robot) -> None:

@@ -61,7 +61,7 @@ def _place(robot: Robot, data: Any, task: Any, q: Vector) -> Any:
     if isinstance(task, ComTaskFile):
         return robot.center_of_mass(q)
     pinocchio.framesForwardKinematics(robot.model, data, q)
-    return data.oMf[robot.model.getFrameId(task.frame)].copy()
+    return data.oMf[robot.frame_id(task.name)].copy()
 
 
 def _soles(
@@ -87,7 +87,7 @@ def _task(
         rows = [COM_AXES.index(axis) for axis in task.axes]
         J = pinocchio.jacobianCenterOfMass(model, data, q)
         return (place + wanted[:3] - data.com[0])[rows], J[rows]
-    frame = model.getFrameId(task.frame)
+    frame = robot.frame_id(task.name)
     rows = [FRAME_AXES.index(axis) for axis in task.axes]
     pinocchio.framesForwardKinematics(model, data, q)
     now = data.oMf[frame]

@@ -13,9 +13,14 @@ import numpy as np
 import pinocchio
 
 import tsd_models
-from tsd_casadi.exceptions import InvalidValue, RobotFileError, UnknownRobot
+from tsd_casadi.exceptions import InvalidValue, UnknownRobot
 from tsd_casadi.robot.checks import check_robot
+from tsd_casadi.robot.description import Kind, read_description
+from tsd_casadi.robot.description_path import resolve_path
+from tsd_casadi.robot.joint_patterns import values_by_joint
+from tsd_casadi.robot.rigid_body_model import RigidBodyModel
 from tsd_casadi.robot.robot_file import RobotFile, read_robot_file
+from tsd_casadi.robot.robot_file_sections import Contact
 from tsd_casadi.state import State, Vector
 
 # changed whenever the terms of the cost or the equalities change their meaning
@@ -29,10 +34,14 @@ class Robot:
         path: The robot file.
         description: Its checked content.
         name: Name of the robot.
+        source_path: The description of links and joints.
+        scene_path: The MuJoCo scene; None where it is made from the model.
+        bodies: How the model was made.
         model: Numeric ``pinocchio.Model`` with a free-flyer base.
         joint_names: Actuated joints in the order of q, v and tau.
         torque_limit: Bound of |tau|, shape (n,) [N m].
-        fingerprint: Hash of the robot file and the URDF.
+        acceleration_limit: Bound of |joint acceleration|, shape (n,) [rad/s^2].
+        fingerprint: Hash of the robot file and the description of links and joints.
     """
 
     def __init__(self, path: Path) -> None:
@@ -48,12 +57,25 @@ class Robot:
         self.path = path.resolve()
         self.description: RobotFile = read_robot_file(self.path)
         self.name = self.description.name
-        self.model = self._build_model()
-        self.joint_names: list[str] = list(self.model.names)[2:]
-        self.torque_limit: Vector = np.array(self.model.effortLimit[6:])
+        described = self.description
+        kind: Kind = "mjcf" if described.urdf is None else "urdf"
+        self.source_path = resolve_path(self.path, kind, described.source)
+        scene = described.scene
+        self.scene_path = None if scene is None else resolve_path(self.path, "scene", scene)
+        source = read_description(self.source_path, kind)
         digest = hashlib.sha256(self.path.read_bytes())
-        digest.update(self.urdf_path.read_bytes())
+        digest.update(source.text.encode() if source.expanded else self.source_path.read_bytes())
         self.fingerprint = digest.hexdigest()[:16]
+        self.bodies = RigidBodyModel(self.path, described, source)
+        self.model = self.bodies.model
+        self.joint_names: list[str] = list(self.model.names)[2:]
+        self.torque_limit: Vector = np.array(self.model.upperEffortLimit[6:])
+        accelerations = values_by_joint(
+            self.path, "acceleration", described.acceleration, self.joint_names
+        )
+        self.acceleration_limit: Vector = np.array(
+            [accelerations.get(name, described.limits.acceleration) for name in self.joint_names]
+        )
         check_robot(self)
 
     def __repr__(self) -> str:
@@ -77,22 +99,6 @@ class Robot:
         """Size of v, 6 + n."""
         return int(self.model.nv)
 
-    @property
-    def urdf_path(self) -> Path:
-        """The URDF."""
-        return self.path.parent / self.description.urdf
-
-    @property
-    def scene_path(self) -> Path:
-        """The MuJoCo scene.
-
-        Raises:
-            RobotFileError: If the robot file names none.
-        """
-        if self.description.scene is None:
-            raise self._error("scene", "is missing", "a MuJoCo scene, to simulate this robot")
-        return self.path.parent / self.description.scene
-
     @cached_property
     def body_fingerprint(self) -> str:
         """Hash of kinematics, masses and inertias: what was learned depends on them.
@@ -100,6 +106,7 @@ class Robot:
         Ten digits count: the same robot written down by another program is the same.
         """
         numbers = [
+            *([turned] if any(turned := self.description.base_orientation) else []),
             *(inertia.toDynamicParameters() for inertia in self.model.inertias),
             *(placement.homogeneous.ravel() for placement in self.model.jointPlacements),
             self.model.gravity.linear,
@@ -119,7 +126,7 @@ class Robot:
         meaning = [
             FORMULATION,
             [(t.type, t.name, getattr(t, "frame", ""), t.axes, t.W) for t in described.tasks],
-            [(contact.name, contact.frame) for contact in described.contacts],
+            [_meaning(contact) for contact in described.contacts],
             [described.posture.W, described.regularization.model_dump()],
         ]
         return hashlib.sha256(json.dumps(meaning).encode()).hexdigest()[:16]
@@ -177,7 +184,26 @@ class Robot:
     @cached_property
     def sole_frames(self) -> list[int]:
         """Pinocchio's index of each contact's frame."""
-        return [self.model.getFrameId(contact.frame) for contact in self.description.contacts]
+        return [self.frame_id(contact.name) for contact in self.description.contacts]
+
+    def frame_name(self, part: str) -> str:
+        """Name the frame of a contact or a frame task in ``model``.
+
+        Args:
+            part: Name of the contact or task.
+        """
+        return self.bodies.frame_names[part]
+
+    def frame_id(self, part: str) -> int:
+        """Find the frame of a contact or a frame task.
+
+        Args:
+            part: Name of the contact or task.
+
+        Returns:
+            Its index in ``model.frames``.
+        """
+        return int(self.model.getFrameId(self.frame_name(part)))
 
     def axis_for(self, motion: str, kind: str, axis: str, prefer: str = "") -> str:
         """Find the axis 'task.axis' that carries a motion.
@@ -222,6 +248,8 @@ class Robot:
 
     def _standing(self, joints: dict[str, float]) -> State:
         q = pinocchio.neutral(self.model)
+        turned = pinocchio.rpy.rpyToMatrix(*self.description.base_orientation)
+        q[3:7] = pinocchio.Quaternion(turned).coeffs()
         for joint, angle in joints.items():
             q[self.model.joints[self.model.getJointId(joint)].idx_q] = angle
         return State(q=self.put_on_ground(q), v=np.zeros(self.nv))
@@ -230,7 +258,7 @@ class Robot:
         """Compute where a frame is.
 
         Args:
-            frame: Name of a frame of the URDF.
+            frame: Name of a frame of ``model``.
             q: Configuration, shape (nq,).
 
         Returns:
@@ -242,33 +270,13 @@ class Robot:
         quaternion = pinocchio.Quaternion(placement.rotation).coeffs()
         return np.array(placement.translation), np.array(quaternion)
 
-    def _error(self, field: str, found: str, expected: str) -> RobotFileError:
-        return RobotFileError(self.path, field, found, expected)
 
-    def _build_model(self) -> Any:
-        named = [("urdf", self.urdf_path)]
-        if self.description.scene is not None:
-            named.append(("scene", self.scene_path))
-        for field, path in named:
-            if not os.path.isfile(path):  # a path's own is_file refuses long names
-                raise self._error(field, f"'{path}' is no file", "a path relative to this file")
-        try:
-            model = pinocchio.buildModelFromUrdf(
-                str(self.urdf_path), pinocchio.JointModelFreeFlyer()
-            )
-        except (ValueError, RuntimeError, KeyError) as error:
-            raise RobotFileError(
-                self.urdf_path, "", f"cannot be parsed ({error})", "a valid URDF"
-            ) from error
-        n = model.njoints - 2
-        if model.nv != 6 + n or model.nq != 7 + n:
-            raise RobotFileError(
-                self.urdf_path,
-                "",
-                "has joints with more than one degree of freedom, or continuous ones",
-                "revolute, prismatic and fixed joints",
-            )
-        return model
+def _meaning(contact: Contact) -> tuple[object, ...]:
+    """Tell what a contact means to the formulation, for a sole at a frame just its names."""
+    meaning: tuple[object, ...] = (contact.name, contact.frame)
+    if contact.offset is not None:
+        meaning += (contact.offset.xyz, contact.offset.rpy)
+    return meaning if contact.type == "sole" else (*meaning, contact.type)
 
 
 def load_robot(robot: str | Path) -> Robot:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Annotated, Any
 
-import yaml
 from pydantic import Field, ValidationError
 
 from tsd_casadi.exceptions import RobotFileError
+from tsd_casadi.robot.robot_file_overrides import FallbackFile, OverridesFile
 from tsd_casadi.robot.robot_file_sections import (
     AnyContact,
     ComTaskFile,
@@ -22,32 +21,39 @@ from tsd_casadi.robot.robot_file_sections import (
     PostureFile,
     RegularizationFile,
     SafeTorqueFile,
-    Section,
     SoleFile,
 )
+from tsd_casadi.robot.strict_yaml import read_yaml
 
 
-class RobotFile(Section):
+class RobotFile(OverridesFile):
     """A robot as its file describes it.
+
+    Paths are relative to the robot file and stay inside its folder, or are
+    'package://name/...' for a data package that is installed.
 
     Attributes:
         name: Name of the robot, one chunk of its network keys.
-        urdf: URDF, relative to the robot file.
+        urdf: URDF or xacro of links and joints; or else
+        mjcf: MuJoCo's description of them.
         home: Joint angles of the home posture [rad]; joints left out are zero.
         contacts: The feet.
         tasks: The Cartesian tasks.
         posture: Null-space posture.
         regularization: Weights on forces and accelerations.
-        limits: Limits beyond those of the URDF.
+        limits: Limits beyond those of the description.
         safe_torque: What a failed tick answers with.
         motions: Narrower ranges of motions than the robot could reach, by name.
-        scene: MuJoCo scene, relative to the robot file; only a simulation needs it.
+        scene: MuJoCo scene to simulate; made from the description where it is left out.
         postures: Other postures by name, joint angles as for home.
         hardware: What the real robot has beyond rigid bodies; None if unknown.
+        fallback: What a client holds the robot with while no torque comes; None if
+            it is not to be held.
     """
 
     name: Name
-    urdf: str
+    urdf: str | None = None
+    mjcf: str | None = None
     home: dict[str, Finite]
     contacts: Annotated[tuple[AnyContact, ...], Field(min_length=1)]
     tasks: Annotated[
@@ -62,15 +68,12 @@ class RobotFile(Section):
     scene: str | None = None
     postures: dict[Name, dict[str, Finite]] = Field(default_factory=dict)
     hardware: HardwareFile | None = None
+    fallback: FallbackFile | None = None
 
-
-class _Loader(yaml.SafeLoader):
-    """YAML 1.1, but 1e-6 is a number as everywhere else."""
-
-
-_Loader.add_implicit_resolver(
-    "tag:yaml.org,2002:float", re.compile(r"^[-+]?[0-9]+[eE][-+]?[0-9]+$"), list("-+0123456789")
-)
+    @property
+    def source(self) -> str:
+        """The path of links and joints as it is written."""
+        return self.urdf or self.mjcf or ""
 
 
 def read_robot_file(path: Path) -> RobotFile:
@@ -86,15 +89,7 @@ def read_robot_file(path: Path) -> RobotFile:
         RobotFileError: If the file cannot be read, is not YAML, or a field is
             missing, unknown, of the wrong type or out of range.
     """
-    try:
-        document: Any = yaml.load(path.read_text(encoding="utf-8"), _Loader)
-    except (OSError, UnicodeDecodeError) as error:
-        raise RobotFileError(path, "", f"cannot be read ({error})", "a YAML file") from error
-    except Exception as error:  # besides YAMLError all that int(), datetime and depth raise
-        reason = " ".join(str(error).split())
-        raise RobotFileError(path, "", f"is not YAML ({reason})", "a YAML file") from error
-    if not isinstance(document, dict):
-        raise RobotFileError(path, "", "holds no mapping", "fields such as 'name', 'urdf'")
+    document = read_yaml(path)
     try:
         robot_file = RobotFile.model_validate(document)
     except ValidationError as error:
@@ -129,6 +124,13 @@ def _expectation(error: Any) -> str:
 
 
 def _check_ranges(path: Path, robot_file: RobotFile) -> None:
+    if (robot_file.urdf is None) == (robot_file.mjcf is None):
+        raise RobotFileError(
+            path,
+            "urdf",
+            "is missing" if robot_file.urdf is None else "is there beside 'mjcf'",
+            "one description of links and joints, 'urdf' or 'mjcf'",
+        )
     ranges = [
         (f"motions.{motion}.{name}", bounds)
         for motion, part in robot_file.motions.items()
@@ -139,6 +141,7 @@ def _check_ranges(path: Path, robot_file: RobotFile) -> None:
         for index, contact in enumerate(robot_file.contacts)
         if isinstance(contact, SoleFile)
     ]
+    ranges += [(f"position.{joint}", bounds) for joint, bounds in robot_file.position.items()]
     for index, contact in soles:
         ranges += [(f"contacts.{index}.x", contact.x), (f"contacts.{index}.y", contact.y)]
     if "home" in robot_file.postures:

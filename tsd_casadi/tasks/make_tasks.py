@@ -19,5 +19,7 @@ def make_tasks(robot: Robot) -> list[Task]:
         if part.type == "com":
             tasks.append(ComTask(part.name, part.axes, part.P, part.D, part.W))
         else:
-            tasks.append(FrameTask(part.name, part.frame, part.axes, part.P, part.D, part.W))
+            tasks.append(
+                FrameTask(part.name, robot.frame_name(part.name), part.axes, part.P, part.D, part.W)
+            )
     return tasks

@@ -45,14 +45,14 @@ class FrictionFeedforward(Compensator):
                 J_task = pinocchio.jacobianCenterOfMass(model, data, q)
             else:
                 rows = [FRAME_AXES.index(axis) for axis in task.axes]
-                frame = model.getFrameId(task.frame)
+                frame = self._robot.frame_id(task.name)
                 J_task = pinocchio.getFrameJacobian(
                     model, data, frame, pinocchio.LOCAL_WORLD_ALIGNED
                 )
             J.append(np.array(J_task[rows]))
             xd.append(moment.command[f"{task.name}.reference_velocity"])
         for contact in self._robot.description.contacts:
-            frame = model.getFrameId(contact.frame)
+            frame = self._robot.frame_id(contact.name)
             J.append(pinocchio.getFrameJacobian(model, data, frame, pinocchio.LOCAL))
             xd.append(np.zeros(6))
         return np.asarray(np.linalg.lstsq(np.vstack(J), np.concatenate(xd), rcond=1e-6)[0])
