@@ -89,13 +89,15 @@ class Body:
         chains = {*self.model.supports[self.trunk]} ^ {*self.model.supports[self.pelvis]}
         return tuple(sorted(chains - {1}))
 
-    @cached_property
-    def trunk_axes(self) -> tuple[str, ...]:
-        """Rotations of the trunk that the waist can make apart from the pelvis'."""
+    def trunk_axes(self, q: Vector) -> tuple[str, ...]:
+        """Name the rotations of the trunk that the waist can make apart from the pelvis'.
+
+        Args:
+            q: Configuration, (nq,).
+        """
         if self.trunk == self.pelvis:
             return ()
         model, data = self.model, self.model.createData()
-        q = self.neutral()
         pinocchio.computeJointJacobians(model, data, q)
         pinocchio.forwardKinematics(model, data, q)
         world = pinocchio.LOCAL_WORLD_ALIGNED

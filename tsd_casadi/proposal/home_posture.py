@@ -22,6 +22,8 @@ P_COM, P_POSTURE, MODEL_ERROR = 50.0, 40.0, 0.1
 SAG = MODEL_ERROR * 9.81 / P_COM
 # every joint keeps this to its limits, knees stay bent by at least so much [rad]
 LEAST_MARGIN, LEAST_BEND = 0.1, 0.6
+# of angles that the solver holds at those bounds [rad]
+TOLERANCE = 1e-4
 # of a joint's torque, at the bottom of the slow motion: the rest is for 10 % more mass,
 # for acceleration and for the feedback
 LARGEST_SHARE = 0.8
@@ -30,9 +32,11 @@ BENDS = tuple(np.round(np.arange(0.5, 2.01, 0.1), 2))
 DEEPEST_HOME = 1.25
 # a squat that is worth learning, and a comfortable one in shares of the standing height
 WORTHWHILE, COMFORTABLE = 0.03, 0.05
-# pelvis pitched forward, tried in turn where upright leaves too little room [rad]
-LEANS = (0.0, 0.15, 0.3)
-# widths in shares of where the feet are at neutral
+# upper body pitched forward, tried in turn where upright leaves too little room [rad]
+LEANS = (0.0, 0.15, 0.3, 0.45, 0.6)
+# squats for which a smaller lean is good enough, better ones first [m]
+GOOD_ENOUGH = (0.025, 0.01)
+# widths in shares of where the feet are at neutral, tried where the robot cannot stand else
 WIDTHS = (1.0, 1.25, 0.8)
 # between the soles' edges, at least [m]
 GAP = 0.02
@@ -60,8 +64,8 @@ class Posed:
     def is_good(self) -> bool:
         """Whether a motion may go through this posture."""
         return (
-            self.bend >= LEAST_BEND - 1e-6
-            and self.margin >= LEAST_MARGIN
+            self.bend >= LEAST_BEND - TOLERANCE
+            and self.margin >= LEAST_MARGIN - TOLERANCE
             and self.share <= LARGEST_SHARE
         )
 
@@ -88,23 +92,28 @@ class HomePosture:
 def find_home_posture(body: Body) -> HomePosture | None:
     """Find the home posture; None if the robot cannot stand flat on both soles.
 
-    Upright with the feet under the hips is tried first; a leaning pelvis and other
-    widths only where that leaves no room for a squat of ``WORTHWHILE``.
+    Upright with the feet under the hips is tried first; a leaning upper body where
+    that leaves no room for a squat, other widths where it does not stand at all.
     """
     preferred = hang_arms(body)
-    best: HomePosture | None = None
     for width in WIDTHS:
+        tried: list[HomePosture] = []
         for lean in LEANS:
             found = _home_in(body, preferred, width * _natural_width(body), lean)
-            if found is not None and (best is None or found.amplitude > best.amplitude + 2e-3):
-                best = found
-            if best is not None and best.amplitude >= WORTHWHILE:
-                return best
-    return best
+            tried += [] if found is None else [found]
+            if found is not None and found.amplitude >= GOOD_ENOUGH[0]:
+                return found
+        for amplitude in GOOD_ENOUGH:
+            enough = [each for each in tried if each.amplitude >= amplitude]
+            if enough:
+                return enough[0]
+        if tried:
+            return max(tried, key=lambda each: each.amplitude)
+    return None
 
 
 def leaned(body: Body, q: Vector, lean: float) -> tuple[Matrix, Matrix]:
-    """Compute the rotations of pelvis and trunk, pelvis pitched forward.
+    """Compute the rotations of pelvis and trunk, both pitched forward.
 
     Args:
         q: Configuration that is upright, (nq,).
@@ -113,7 +122,7 @@ def leaned(body: Body, q: Vector, lean: float) -> tuple[Matrix, Matrix]:
     data = body.model.createData()
     pinocchio.forwardKinematics(body.model, data, q)
     pitch = pinocchio.exp3(np.array([0.0, lean, 0.0]))
-    return pitch @ data.oMi[body.pelvis].rotation, data.oMi[body.trunk].rotation
+    return pitch @ data.oMi[body.pelvis].rotation, pitch @ data.oMi[body.trunk].rotation
 
 
 def pose(body: Body, q: Vector) -> Posed:
@@ -136,7 +145,7 @@ def _home_in(body: Body, preferred: Vector, width: float, lean: float) -> HomePo
     start = preferred
     for bend in BENDS:
         com = np.array([0.0, 0.0, np.nan])
-        wish = Wish(places, com, pelvis, trunk, float(bend), LEAST_MARGIN)
+        wish = Wish(places, com, pelvis, trunk, float(bend))
         found = settle(body, _bent(body, start, float(bend)), preferred, wish)
         if found is None and start is not preferred:
             found = settle(body, _bent(body, preferred, float(bend)), preferred, wish)
@@ -150,13 +159,14 @@ def _home_in(body: Body, preferred: Vector, width: float, lean: float) -> HomePo
     low, high = run[-1].height, run[0].height
     room = 0.5 * (high - low) - SAG
     wanted = min(room, max(WORTHWHILE, COMFORTABLE * high))
-    # the deepest that leaves room below and above
-    height = np.clip(low + max(wanted, 0.0) + SAG, low, 0.5 * (low + high) if room < 0 else high)
+    # the deepest that leaves room below, but not deeper than there is a reason for
     bends, heights = [each.bend for each in run], [each.height for each in run]
+    deepest = float(np.interp(DEEPEST_HOME, bends, heights))
+    height = max(low + wanted + SAG, min(deepest, high - SAG - WORTHWHILE))
+    if room < WORTHWHILE:
+        height = 0.5 * (low + high)
     bend = float(np.interp(-height, [-h for h in heights], bends))
-    if bend > DEEPEST_HOME:
-        bend = DEEPEST_HOME
-    wish = Wish(places, np.array([0.0, 0.0, np.nan]), pelvis, trunk, bend, LEAST_MARGIN)
+    wish = Wish(places, np.array([0.0, 0.0, np.nan]), pelvis, trunk, bend)
     nearest = min(run, key=lambda each: abs(each.bend - bend))
     q = settle(body, nearest.q, preferred, wish)
     if q is None:

@@ -42,7 +42,6 @@ class Wish:
         pelvis: Rotation of the link that carries the legs, (3, 3).
         trunk: Rotation of the trunk, (3, 3).
         bend: Of both knees [rad], or None if the height of the centre of mass says it.
-        margin: Of every joint to its limits [rad].
     """
 
     places: tuple[Any, Any]
@@ -50,7 +49,6 @@ class Wish:
     pelvis: Matrix
     trunk: Matrix
     bend: float | None = None
-    margin: float = 0.0
 
 
 def settle(body: Body, start: Vector, preferred: Vector, wish: Wish) -> Vector | None:
@@ -65,8 +63,7 @@ def settle(body: Body, start: Vector, preferred: Vector, wish: Wish) -> Vector |
         the joints' limits.
     """
     model, data = body.model, body.model.createData()
-    margin = np.minimum(wish.margin, 0.45 * (body.high - body.low))
-    low, high = body.low + margin, body.high - margin
+    low, high = body.low, body.high
     q = start.copy()
     q[7:] = np.clip(q[7:], low, high)
     weights = np.full(model.nv, POSTURE)

@@ -35,7 +35,12 @@ def turn_of(model: Any, part: Any, vertices: Matrix) -> Matrix:
     if not _says_y_up(part.meshPath):
         return np.eye(3)
     frame = model.frames[part.parentFrame]
-    com: Vector = frame.placement.act(np.array(frame.inertia.lever))
+    # a link that is fixed to another has its own inertia, else the joint's body is the link
+    com: Vector = (
+        frame.placement.act(np.array(frame.inertia.lever))
+        if frame.inertia.mass > 0
+        else np.array(model.inertias[frame.parentJoint].lever)
+    )
     wanted = part.placement.actInv(com)
     middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
     plain, turned = (float(np.linalg.norm(R @ middle - wanted)) for R in (np.eye(3), TURN))

@@ -51,6 +51,7 @@ class SolePatch:
 
     Attributes:
         frame: Link or frame of the description.
+        index: Its index in the model.
         placement: ``pinocchio.SE3`` from that to the sole, z up, x forward; identity
             where ``frame`` is there already.
         x: Extent of the largest rectangle along x, in the sole's frame, (low, high) [m].
@@ -58,15 +59,18 @@ class SolePatch:
         outline: Corners of the whole patch, anticlockwise, in the sole's frame, (c, 2) [m].
         source: 'collision' or 'visual', the geometry that it was found in.
         named_height: Of the link's or frame's origin that was asked for, above the patch [m].
+        from_ankle: How far the patch extends behind and ahead of the foot's last joint [m].
     """
 
     frame: str
+    index: int
     placement: Any
     x: tuple[float, float]
     y: tuple[float, float]
     outline: Matrix
     source: str
     named_height: float
+    from_ankle: tuple[float, float]
 
     @property
     def is_frame(self) -> bool:
@@ -75,7 +79,7 @@ class SolePatch:
 
 
 def find_sole_patch(
-    path: Path, model: Any, geometries: Mapping[str, Any], foot: str, q: Vector
+    path: Path, model: Any, geometries: Mapping[str, Any], frame: int, q: Vector
 ) -> SolePatch:
     """Find the lowest flat patch of a foot.
 
@@ -84,16 +88,13 @@ def find_sole_patch(
         model: ``pinocchio.Model``.
         geometries: ``pinocchio.GeometryModel`` by what it is for, 'collision' before
             'visual': the first with a patch is taken.
-        foot: Link, or a frame on it.
+        frame: Index of the foot's link, or of a frame on it.
         q: Configuration, shape (nq,): upright, facing along the world's x axis, the feet
             within 45 degrees of flat.
 
     Raises:
         RobotFileError: If the foot has no geometry or none that is flat.
     """
-    frame = model.getFrameId(foot, pinocchio.FrameType.BODY)
-    if frame == model.nframes:
-        frame = model.getFrameId(foot)
     data = model.createData()
     pinocchio.framesForwardKinematics(model, data, q)
     joint = model.frames[frame].parentJoint
@@ -109,7 +110,7 @@ def find_sole_patch(
         found.append(f"{source} geometry of {points.kinds}, which touches in a point or a line")
     raise RobotFileError(
         path,
-        f"link {foot}",
+        f"link {model.frames[frame].name}",
         f"has {' and '.join(found)}",
         f"a foot with a patch flat to {1e3 * FLATNESS:g} mm and wider than "
         f"{1e3 * LEAST_WIDTH:g} mm: a box, a mesh, or at least three spheres; "
@@ -173,18 +174,20 @@ def _placed(model: Any, frame: int, patch: tuple[Any, Matrix], source: str) -> S
     placement, outline = patch
     named = model.frames[frame]
     height = float(placement.actInv(named.placement).translation[2])
-    candidates = [named, *(each for each in model.frames if each.parentJoint == named.parentJoint)]
-    for candidate in candidates:
-        offset = candidate.placement.actInv(placement)
+    ahead = outline[:, 0] + float(placement.actInv(np.zeros(3))[0]) * -1.0
+    extent = (float(ahead.min()), float(ahead.max()))
+    links = [i for i, each in enumerate(model.frames) if each.parentJoint == named.parentJoint]
+    for index in [frame, *links]:
+        offset = model.frames[index].placement.actInv(placement)
         if _coincides(offset):
             shifted = outline + offset.translation[:2]
             x, y = largest_rectangle(shifted)
             if x[0] < 0 < x[1] and y[0] < 0 < y[1]:
-                identity = pinocchio.SE3.Identity()
-                return SolePatch(candidate.name, identity, x, y, shifted, source, height)
+                name, there = str(model.frames[index].name), pinocchio.SE3.Identity()
+                return SolePatch(name, index, there, x, y, shifted, source, height, extent)
     x, y = largest_rectangle(outline)
     offset = named.placement.actInv(placement)
-    return SolePatch(named.name, offset, x, y, outline, source, height)
+    return SolePatch(str(named.name), frame, offset, x, y, outline, source, height, extent)
 
 
 def _coincides(offset: Any) -> bool:
