@@ -9,6 +9,7 @@ import pytest
 
 from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import InvalidValue, SimulationError
+from tsd_casadi.motions.ranges import check_motion
 from tsd_clients import MujocoSimulator
 from tsd_experiments.demo.plan import Plan, file_name
 from tsd_experiments.demo.run_demo import run_demo
@@ -94,6 +95,14 @@ def test_short_demo(tmp_path: Path) -> None:
     check_summary(tmp_path)
 
 
+def test_the_squats_are_those_shares_of_the_robots_range(robot: Robot, mini_biped: Robot) -> None:
+    assert Plan.of(robot) == Plan()
+    largest = max(Plan.of(mini_biped).database)
+    assert Plan.of(mini_biped).amplitude == pytest.approx(largest * 3 / 8, abs=1e-4)
+    for squat in Plan.of(mini_biped).squats:
+        check_motion(mini_biped, squat)
+
+
 def test_services_stop_when_a_run_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     started = []
     original = services.ServiceProcess
@@ -117,5 +126,5 @@ def test_robot_that_cannot_do_the_squats_is_told_before_anything_starts(
     mini_biped: Robot, tmp_path: Path
 ) -> None:
     with pytest.raises(InvalidValue, match=r"amplitude is 0\.06, expected .* for mini_biped"):
-        run_demo(mini_biped, tmp_path / "out")
+        run_demo(mini_biped, tmp_path / "out", plan=Plan())
     assert not (tmp_path / "out").exists()

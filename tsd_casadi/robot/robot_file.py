@@ -8,6 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationError
 
 from tsd_casadi.exceptions import RobotFileError
+from tsd_casadi.robot.robot_file_goals import DemoGoalsFile
 from tsd_casadi.robot.robot_file_overrides import FallbackFile, OverridesFile
 from tsd_casadi.robot.robot_file_sections import (
     AnyContact,
@@ -49,6 +50,7 @@ class RobotFile(OverridesFile):
         hardware: What the real robot has beyond rigid bodies; None if unknown.
         fallback: What a client holds the robot with while no torque comes; None if
             it is not to be held.
+        demo_goals: What the demonstration has to reach.
     """
 
     name: Name
@@ -69,6 +71,7 @@ class RobotFile(OverridesFile):
     postures: dict[Name, dict[str, Finite]] = Field(default_factory=dict)
     hardware: HardwareFile | None = None
     fallback: FallbackFile | None = None
+    demo_goals: DemoGoalsFile = Field(default_factory=DemoGoalsFile)
 
     @property
     def source(self) -> str:

@@ -44,7 +44,8 @@ class _Loader(yaml.SafeLoader):
 
     def compose_node(self, parent: Any, index: Any) -> Any:
         """Refuse deep nesting."""
-        line = self.peek_event().start_mark.line + 1  # type: ignore[no-untyped-call]
+        event = self.peek_event()  # type: ignore[no-untyped-call]
+        line = event.start_mark.line + 1
         self._depth += 1
         if self._depth > DEEPEST:
             raise _Surprise(line, "is nested too deeply", f"at most {DEEPEST} levels")
@@ -55,11 +56,11 @@ class _Loader(yaml.SafeLoader):
 
     def get_single_data(self) -> Any:
         """Refuse aliases of aliases, which grow without bound when they are looked at."""
-        node = self.get_single_node()  # type: ignore[no-untyped-call]
+        node = self.get_single_node()
         if node is None:
             return None
         _expanded_size(node, {})
-        return self.construct_document(node)  # type: ignore[no-untyped-call]
+        return self.construct_document(node)
 
     def construct_mapping(self, node: Any, deep: bool = False) -> Any:
         """Refuse two equal keys."""

@@ -7,6 +7,8 @@ import numpy as np
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
 
+DIGITS = 9  # of a corner [m]
+
 
 def support_polygon(robot: Robot, q: Vector) -> Matrix:
     """Compute the convex hull of the soles' rectangles on the ground.
@@ -23,7 +25,9 @@ def support_polygon(robot: Robot, q: Vector) -> Matrix:
         for x in contact.x
         for y in contact.y
     ]
-    return _hull(sorted(map(tuple, corners)))
+    # corners of an edge along y have the same x, but for rounding, which would order them
+    # at random and have the chain below lose some
+    return _hull(sorted({tuple(map(float, np.round(corner, DIGITS))) for corner in corners}))
 
 
 def margin(polygon: Matrix, point: Vector) -> float:

@@ -6,12 +6,17 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from tsd_casadi.repetition.run import Run
+from tsd_casadi.robot.robot_file_goals import DemoGoalsFile
 from tsd_experiments.demo.plan import REUSED, Plan, label_of
 from tsd_experiments.harness.section import Goal
 
 
-def goals_of(runs: Mapping[str, Run], plan: Plan) -> list[Goal]:
-    """Measure what the method promises, as ratios of two runs of this demonstration."""
+def goals_of(runs: Mapping[str, Run], plan: Plan, wanted: DemoGoalsFile) -> list[Goal]:
+    """Measure what the method promises, as ratios of two runs of this demonstration.
+
+    Args:
+        wanted: What the robot's file asks for.
+    """
     none, constant, perfect, first, second, reduced = (
         _error(runs[label_of(plan.amplitude, what)])
         for what in (
@@ -28,27 +33,37 @@ def goals_of(runs: Mapping[str, Run], plan: Plan) -> list[Goal]:
         for what in ("generalised", "learned, iteration 2", REUSED)
     )
     return [
-        Goal("RMS error, none / one iteration", ">= 80", none.rms / first.rms),
-        Goal("AC error, none / one iteration", ">= 5", none.ac / first.ac),
-        Goal("AC error, none / two iterations", ">= 25", none.ac / second.ac),
+        Goal(
+            "RMS error, none / one iteration", f">= {wanted.rms_after_one:g}", none.rms / first.rms
+        ),
+        Goal("AC error, none / one iteration", f">= {wanted.ac_after_one:g}", none.ac / first.ac),
+        Goal("AC error, none / two iterations", f">= {wanted.ac_after_two:g}", none.ac / second.ac),
         Goal(
             "mean |feedback|, none / one iteration",
-            ">= 80",
+            f">= {wanted.feedback_after_one:g}",
             none.feedback / first.feedback,
         ),
-        Goal("RMS error, none at P / learned at P/5", ">= 20", none.rms / reduced.rms),
-        Goal("AC error, none / constant (must miss 5)", "< 5", none.ac / constant.ac),
+        Goal(
+            "RMS error, none at P / learned at P/5",
+            f">= {wanted.rms_at_a_fifth:g}",
+            none.rms / reduced.rms,
+        ),
+        Goal(
+            f"AC error, none / constant (must miss {wanted.ac_constant:g})",
+            f"< {wanted.ac_constant:g}",
+            none.ac / constant.ac,
+        ),
         Goal(
             "AC error, generalised / learned directly",
-            "<= 1.5",
+            f"<= {wanted.ac_generalized:g}",
             generalized.ac / direct.ac,
         ),
         Goal(
             "AC error, generalised / nearest entry",
-            "<= 0.3",
+            f"<= {wanted.ac_by_nearest:g}",
             generalized.ac / nearest.ac,
         ),
-        Goal("RMS error in mm, perfect model", "< 0.02", 1e3 * perfect.rms),
+        Goal("RMS error in mm, perfect model", f"< {wanted.rms_perfect:g}", 1e3 * perfect.rms),
     ]
 
 

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from tsd_casadi.motions.motion import declared_parameters
+from tsd_casadi.motions.ranges import range_of
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.gains import Gains
+from tsd_casadi.robot.robot import Robot
 
 MODEL_ERROR = 0.1
 REDUCED = Gains(P=0.2)  # P / 5, D as it is
@@ -32,6 +35,23 @@ class Plan:
     queried: float = 0.05
     nearest: float = 0.04
     iterations: int = 2
+
+    @classmethod
+    def of(cls, robot: Robot) -> Plan:
+        """Plan squats at the same shares of a robot's range as of the paper's robot.
+
+        Raises:
+            InvalidValue: If the robot has no task that carries a squat.
+        """
+        (amplitude,) = (x for x in declared_parameters(Squat) if x.name == "amplitude")
+        _, largest = range_of(robot, Squat, amplitude)
+        share = largest / max(cls.database)
+        (one, queried, nearest), database = (
+            # a tenth of a millimetre, so that people and databases read the same number
+            tuple(round(share * size, 4) for size in sizes)
+            for sizes in ((cls.amplitude, cls.queried, cls.nearest), cls.database)
+        )
+        return cls(amplitude=one, database=database, queried=queried, nearest=nearest)
 
     @property
     def squats(self) -> list[Squat]:

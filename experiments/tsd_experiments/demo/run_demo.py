@@ -29,14 +29,13 @@ from tsd_experiments.harness.services import start_services
 from tsd_experiments.report.curve import Curve
 from tsd_experiments.report.drawing import draw_feedback, draw_tracking
 
-PLAN = Plan()
 
-
-def run_demo(robot: Robot, out: Path, seed: int = 0, plan: Plan = PLAN) -> dict[str, Any]:
+def run_demo(robot: Robot, out: Path, seed: int = 0, plan: Plan | None = None) -> dict[str, Any]:
     """Run the demonstration and write its results.
 
     Args:
         out: Folder for summary.json, per-tick logs and figures.
+        plan: The squats; those of the robot's range if left out.
 
     Returns:
         The summary.
@@ -46,6 +45,7 @@ def run_demo(robot: Robot, out: Path, seed: int = 0, plan: Plan = PLAN) -> dict[
         TsdError: If a service does not start or a run fails.
     """
     start = monotonic()
+    plan = plan or Plan.of(robot)
     for squat in plan.squats:
         check_motion(robot, squat)
     try:
@@ -76,7 +76,7 @@ def run_demo(robot: Robot, out: Path, seed: int = 0, plan: Plan = PLAN) -> dict[
         "gains": next(iter(runs.values())).gains,
         "runs": [{"label": label, **run.summary(), **row_of(run)} for label, run in runs.items()],
         "ticks_served": served,
-        "goals": [goal.plain() for goal in goals_of(runs, plan)],
+        "goals": [goal.plain() for goal in goals_of(runs, plan, robot.description.demo_goals)],
         "seconds": monotonic() - start,
     }
     for future in written:
