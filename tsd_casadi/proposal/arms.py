@@ -30,9 +30,7 @@ def hang_arms(body: Body) -> Vector:
     model, data = body.model, body.model.createData()
     q = body.neutral()
     comfort = np.minimum(COMFORT, COMFORT_SHARE * (body.high - body.low))
-    waist_and_neck = np.array(
-        [model.joints[j].idx_q for j in (*body.arms, *body.waist)], dtype=int
-    )
+    waist_and_neck = np.array([model.joints[j].idx_q for j in (*body.arms, *body.waist)], dtype=int)
     nearest = np.clip(0.0, body.low + comfort, body.high - comfort)
     q[waist_and_neck] = nearest[waist_and_neck - 7]
     arms = np.array([model.joints[j].idx_q for j in hanging(body)], dtype=int)

@@ -109,7 +109,8 @@ class Body:
         span = basis[:, size > 0.1]
         inside = np.linalg.norm(span, axis=1)
         return tuple(
-            axis for axis, norm in zip(("rx", "ry", "rz"), inside, strict=True)
+            axis
+            for axis, norm in zip(("rx", "ry", "rz"), inside, strict=True)
             if norm > TURNED_BY_JOINTS
         )
 

@@ -18,7 +18,7 @@ ENDINGS = ("_description", "_data")
 
 
 def find_in_package(
-    name: str, feet: Sequence[str], patterns: Sequence[str]
+    name: str, feet: Sequence[str], patterns: Sequence[str], file: Path | None = None
 ) -> tuple[Path, list[str]]:
     """Find the URDF of a robot.
 
@@ -29,6 +29,7 @@ def find_in_package(
         name: Folder of the package, its ending left out or not.
         feet: Names of links or frames.
         patterns: Joints to lock.
+        file: How the path of the one that is meant ends, any if None.
 
     Returns:
         Its path, and what is to be said about the choice, a line each.
@@ -39,9 +40,7 @@ def find_in_package(
     """
     package = find_package(DATA)
     if package is None:
-        raise InvalidValue(
-            "--package", f"'{name}'", f"the package {DATA}: pip install {DATA}"
-        )
+        raise InvalidValue("--package", f"'{name}'", f"the package {DATA}: pip install {DATA}")
     robots = {folder.name: folder for folder in sorted((package / "robots").iterdir())}
     meant = [each for each in (name, *(name + ending for ending in ENDINGS)) if each in robots]
     if not meant:
@@ -50,6 +49,8 @@ def find_in_package(
     folder = robots[meant[0]]
     ranked = []
     for path in sorted(folder.rglob("*.urdf")):
+        if file is not None and not str(path).endswith(f"/{file}"):
+            continue
         description = read_description(path, "urdf")
         if _has(description, feet, patterns):
             joints = _moving(description)

@@ -176,8 +176,6 @@ def _is_good(body: Body, home: HomePosture, wish: Wish) -> bool:
     return float(np.linalg.norm(off)) < TURNED
 
 
-
-
 def _down(value: float) -> float:
     """Round to millimetres or milliradians, down."""
     return max(math.floor(1e3 * value + 1e-6) / 1e3, 0.0)

@@ -88,9 +88,7 @@ def propose_robot_file(
     ranges = propose_ranges(found.body, home)
     progress(3, total)
     efforts = assumed_limits(found.body, home)
-    text = robot_file_text(
-        name, named, found, home, scale_gains(found.body, home), ranges, efforts
-    )
+    text = robot_file_text(name, named, found, home, scale_gains(found.body, home), ranges, efforts)
     progress(4, total)
     notes = [*found.notes, *_about_home(found, home), *_about_efforts(efforts)]
     return Proposal(name, text, notes, found, home, ranges)

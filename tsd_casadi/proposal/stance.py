@@ -91,7 +91,9 @@ def sole_places(body: Body, width: float) -> tuple[Any, Any]:
         width: Between those middles [m].
     """
     left, right = (
-        pinocchio.SE3(np.eye(3), np.array([-np.mean(sole.x), side * width / 2 - np.mean(sole.y), 0]))
+        pinocchio.SE3(
+            np.eye(3), np.array([-np.mean(sole.x), side * width / 2 - np.mean(sole.y), 0])
+        )
         for sole, side in zip(body.soles, (1.0, -1.0), strict=True)
     )
     return left, right

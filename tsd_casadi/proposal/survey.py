@@ -149,7 +149,10 @@ def _stand_up(description: Description, bodies: RigidBodyModel, feet: tuple[str,
 def _inside(sole: SolePatch) -> SolePatch:
     """Shrink a sole to what the controller counts on."""
     shrunk = [
-        (0.5 * (low + high) - 0.5 * INSIDE * (high - low), 0.5 * (low + high) + 0.5 * INSIDE * (high - low))
+        (
+            0.5 * (low + high) - 0.5 * INSIDE * (high - low),
+            0.5 * (low + high) + 0.5 * INSIDE * (high - low),
+        )
         for low, high in (sole.x, sole.y)
     ]
     return dataclasses.replace(sole, x=shrunk[0], y=shrunk[1])
@@ -159,7 +162,9 @@ def _check_feet(model: Any, path: Path, feet: tuple[str, str], joints: Sequence[
     for foot, joint in zip(feet, joints, strict=True):
         below = [str(model.names[j]) for j in range(2, model.njoints) if model.parents[j] == joint]
         if joint < 2:
-            raise RobotFileError(path, "--feet", f"{foot} is a part of the base", "the last links of both legs")
+            raise RobotFileError(
+                path, "--feet", f"{foot} is a part of the base", "the last links of both legs"
+            )
         if below:
             raise RobotFileError(
                 path,
@@ -176,7 +181,9 @@ def _add_frame(model: Any, name: str, sole: SolePatch) -> int:
     frame = model.frames[sole.index]
     kind = pinocchio.FrameType.OP_FRAME
     placement = frame.placement * sole.placement
-    return int(model.addFrame(pinocchio.Frame(name, frame.parentJoint, sole.index, placement, kind)))
+    return int(
+        model.addFrame(pinocchio.Frame(name, frame.parentJoint, sole.index, placement, kind))
+    )
 
 
 def _about_soles(body: Body, feet: tuple[str, str]) -> list[str]:

@@ -49,9 +49,7 @@ def foot_geometry(
                     package_dirs=package_folders(description.path),
                 )
             else:
-                geometry = pinocchio.buildGeomFromMJCF(
-                    bodies.full, str(description.path), of_kind
-                )
+                geometry = pinocchio.buildGeomFromMJCF(bodies.full, str(description.path), of_kind)
         except (ValueError, RuntimeError) as error:
             reason = " ".join(str(error).split())
             raise RobotFileError(
