@@ -11,6 +11,8 @@ from tsd_casadi.state import Vector
 # distance that an arm's joint likes to keep from a limit, and its largest share of the
 # joint's range: an elbow at its stop bends by as much [rad]
 COMFORT, COMFORT_SHARE = 0.4, 0.3
+# waist and neck are straight where that leaves so much [rad]
+UPRIGHT_MARGIN = 0.2
 # a limb whose centre of mass is this share of the robot's height off the sagittal plane is
 # an arm and hangs; a neck stays upright
 ASIDE = 0.03
@@ -31,12 +33,13 @@ def hang_arms(body: Body) -> Vector:
     q = body.neutral()
     comfort = np.minimum(COMFORT, COMFORT_SHARE * (body.high - body.low))
     waist_and_neck = np.array([model.joints[j].idx_q for j in (*body.arms, *body.waist)], dtype=int)
-    nearest = np.clip(0.0, body.low + comfort, body.high - comfort)
+    room = np.minimum(UPRIGHT_MARGIN, COMFORT_SHARE * (body.high - body.low))
+    nearest = np.clip(0.0, body.low + room, body.high - room)
     q[waist_and_neck] = nearest[waist_and_neck - 7]
     arms = np.array([model.joints[j].idx_q for j in hanging(body)], dtype=int)
     if not len(arms):
         return q
-    low, high, room = body.low[arms - 7], body.high[arms - 7], comfort[arms - 7]
+    low, high, wanted = body.low[arms - 7], body.high[arms - 7], comfort[arms - 7]
     pinocchio.centerOfMass(model, data, q)
     mass = sum(data.mass[j] for j in hanging(body) if model.parents[j] not in hanging(body))
     lever = mass * 9.81 * body_height(body, q) / 4  # an arm is about a quarter as long
@@ -45,8 +48,8 @@ def hang_arms(body: Body) -> Vector:
         posture = q.copy()
         posture[arms] = angles
         height = float(pinocchio.computePotentialEnergy(model, data, posture)) / lever
-        lacking = np.maximum(0.0, room - np.minimum(angles - low, high - angles)) / room
-        return height + float(lacking @ lacking) + NEUTRAL * float(angles @ angles)
+        lacking = np.maximum(0.0, wanted - np.minimum(angles - low, high - angles)) / wanted
+        return float(height + lacking @ lacking + NEUTRAL * angles @ angles)
 
     found = minimize(cost, q[arms], method="L-BFGS-B", bounds=list(zip(low, high, strict=True)))
     q[arms] = found.x

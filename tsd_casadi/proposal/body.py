@@ -126,7 +126,7 @@ def upright_neutral(model: Any, upright: Matrix) -> Vector:
         model: ``pinocchio.Model`` with a free-flyer.
         upright: Rotation of the base, (3, 3).
     """
-    q = pinocchio.neutral(model)
+    q: Vector = pinocchio.neutral(model)
     q[3:7] = pinocchio.Quaternion(upright).coeffs()
     q[7:] = np.clip(q[7:], model.lowerPositionLimit[7:], model.upperPositionLimit[7:])
     return q

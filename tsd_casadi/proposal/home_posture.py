@@ -9,24 +9,12 @@ from typing import Any
 import numpy as np
 import pinocchio
 
-from tsd_casadi.proposal.arms import hang_arms, sag
+from tsd_casadi.proposal.arms import hang_arms
 from tsd_casadi.proposal.body import Body
-from tsd_casadi.proposal.inverse_statics import torque_shares
+from tsd_casadi.proposal.posed import SAG, Posed, pose
 from tsd_casadi.proposal.stance import Wish, settle, sole_places
 from tsd_casadi.state import Matrix, Vector
 
-# stiffness of tasks and posture in every proposed file [1/s^2], and the model error that a
-# robot has to bear without leaving its range
-P_COM, P_POSTURE, MODEL_ERROR = 50.0, 40.0, 0.1
-# the centre of mass sags by what is missing of g: 20 mm at a stiffness of 50
-SAG = MODEL_ERROR * 9.81 / P_COM
-# every joint keeps this to its limits, knees stay bent by at least so much [rad]
-LEAST_MARGIN, LEAST_BEND = 0.1, 0.6
-# of angles that the solver holds at those bounds [rad]
-TOLERANCE = 1e-4
-# of a joint's torque, at the bottom of the slow motion: the rest is for 10 % more mass,
-# for acceleration and for the feedback
-LARGEST_SHARE = 0.8
 # knees at home, deepest first: deeper crouches learn better, until torques are the limit
 BENDS = tuple(np.round(np.arange(0.5, 2.01, 0.1), 2))
 DEEPEST_HOME = 1.25
@@ -40,34 +28,6 @@ GOOD_ENOUGH = (0.025, 0.01)
 WIDTHS = (1.0, 1.25, 0.8)
 # between the soles' edges, at least [m]
 GAP = 0.02
-
-
-@dataclass(frozen=True)
-class Posed:
-    """One posture of the family over the knees' bend.
-
-    Attributes:
-        q: Configuration, (nq,).
-        bend: Of the knees [rad].
-        height: Of the centre of mass above the soles [m].
-        margin: Least distance of a joint to a limit, sag taken off [rad].
-        share: Largest torque / limit.
-    """
-
-    q: Vector
-    bend: float
-    height: float
-    margin: float
-    share: float
-
-    @property
-    def is_good(self) -> bool:
-        """Whether a motion may go through this posture."""
-        return (
-            self.bend >= LEAST_BEND - TOLERANCE
-            and self.margin >= LEAST_MARGIN - TOLERANCE
-            and self.share <= LARGEST_SHARE
-        )
 
 
 @dataclass(frozen=True)
@@ -123,19 +83,6 @@ def leaned(body: Body, q: Vector, lean: float) -> tuple[Matrix, Matrix]:
     pinocchio.forwardKinematics(body.model, data, q)
     pitch = pinocchio.exp3(np.array([0.0, lean, 0.0]))
     return pitch @ data.oMi[body.pelvis].rotation, pitch @ data.oMi[body.trunk].rotation
-
-
-def pose(body: Body, q: Vector) -> Posed:
-    """Measure a posture at rest."""
-    model = body.model
-    data = model.createData()
-    com = pinocchio.centerOfMass(model, data, q)
-    distance = np.minimum(q[7:] - body.low, body.high - q[7:])
-    margin = float(np.min(distance - sag(body, q, MODEL_ERROR, P_POSTURE)))
-    shares = torque_shares(body, q, np.zeros(model.nv))
-    share = float("inf") if shares is None else float(shares.max())
-    bend = min(leg.bend(model, q) for leg in body.legs)
-    return Posed(q, bend, float(com[2]), margin, share)
 
 
 def _home_in(body: Body, preferred: Vector, width: float, lean: float) -> HomePosture | None:

@@ -58,4 +58,5 @@ def torque_shares(body: Body, q: Vector, acceleration: Vector) -> Vector | None:
     left = scale * tau - matrix @ forces
     if np.abs(left[:6]).max() > EQUILIBRIUM * BALANCED:
         return None
-    return np.abs(left[6:])
+    shares: Vector = np.abs(left[6:])
+    return shares

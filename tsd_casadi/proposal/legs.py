@@ -19,11 +19,15 @@ from typing import Any
 import numpy as np
 import pinocchio
 
+from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.state import Vector
 
 # the trunk is followed upwards while it carries this share of what is above the legs: arms
 # carry less than half each
 CARRIES = 0.6
+# thigh times shank in shares of the squared length of the leg: a quarter of it for equal
+# parts; hips and ankles whose axes do not meet have a hundredth
+KNEE_SHARE = 0.08
 
 
 @dataclass(frozen=True)
@@ -55,6 +59,9 @@ def find_legs(model: Any, feet: tuple[int, int]) -> tuple[Leg, Leg]:
     Args:
         model: ``pinocchio.Model`` with a free-flyer.
         feet: Indices of the feet's joints.
+
+    Raises:
+        InvalidValue: If no joint of a leg bends it.
     """
     chains = [list(model.supports[foot])[2:] for foot in feet]
     shared = set(chains[0]) & set(chains[1])
@@ -65,7 +72,7 @@ def find_legs(model: Any, feet: tuple[int, int]) -> tuple[Leg, Leg]:
 def find_pelvis(model: Any, feet: tuple[int, int]) -> int:
     """Find the joint that carries both legs; the base's unless joints are in between."""
     chains = [list(model.supports[foot]) for foot in feet]
-    return max(set(chains[0]) & set(chains[1]))
+    return int(max(set(chains[0]) & set(chains[1])))
 
 
 def find_trunk(model: Any, feet: tuple[int, int]) -> int:
@@ -92,7 +99,15 @@ def _leg(model: Any, joints: list[int]) -> Leg:
     hip, ankle = (np.array(data.oMi[j].translation) for j in (joints[0], joints[-1]))
     shortening = {j: _swing(model, data, j, hip, ankle) for j in joints}
     knee = max(shortening, key=lambda j: shortening[j][0])
-    straight = shortening[knee][1]
+    reach, straight = shortening[knee]
+    if reach < KNEE_SHARE * float(np.sum((hip - ankle) ** 2)):
+        names = ", ".join(str(model.names[j]) for j in joints)
+        raise InvalidValue(
+            "the leg",
+            names,
+            "a joint between hip and ankle that bends it; write the robot "
+            "file of a robot without knees by hand",
+        )
     index = model.joints[knee].idx_q
     low, high = model.lowerPositionLimit[index], model.upperPositionLimit[index]
     forward, backward = high - straight, straight - low

@@ -21,7 +21,8 @@ import pinocchio
 from tsd_casadi.proposal.arms import hang_arms
 from tsd_casadi.proposal.body import Body
 from tsd_casadi.proposal.gains import TORSION
-from tsd_casadi.proposal.home_posture import SAG, WORTHWHILE, HomePosture, leaned, pose
+from tsd_casadi.proposal.home_posture import WORTHWHILE, HomePosture, leaned
+from tsd_casadi.proposal.posed import SAG, pose
 from tsd_casadi.proposal.stance import Wish, settle
 from tsd_casadi.state import Vector
 

@@ -12,14 +12,9 @@ import numpy as np
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.proposal.efforts import assumed_limits
 from tsd_casadi.proposal.gains import scale_gains
-from tsd_casadi.proposal.home_posture import (
-    GOOD_ENOUGH,
-    LEAST_BEND,
-    LEAST_MARGIN,
-    HomePosture,
-    find_home_posture,
-)
+from tsd_casadi.proposal.home_posture import GOOD_ENOUGH, HomePosture, find_home_posture
 from tsd_casadi.proposal.motion_ranges import propose_ranges
+from tsd_casadi.proposal.posed import LEAST_BEND, LEAST_MARGIN
 from tsd_casadi.proposal.robot_file_text import robot_file_text
 from tsd_casadi.proposal.source_path import path_in_file
 from tsd_casadi.proposal.survey import Survey, survey

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 import pinocchio
 
 from tsd_casadi.proposal.body import Body
+from tsd_casadi.proposal.changes_text import changes_text
 from tsd_casadi.proposal.gains import Gains
-from tsd_casadi.proposal.home_posture import P_COM, P_POSTURE, HomePosture
+from tsd_casadi.proposal.home_posture import HomePosture
 from tsd_casadi.proposal.inverse_statics import FRICTION
-from tsd_casadi.proposal.locks import Locks
+from tsd_casadi.proposal.posed import P_COM, P_POSTURE
 from tsd_casadi.proposal.survey import INSIDE, Survey
+from tsd_casadi.proposal.yaml_text import DIGITS, key_text, list_text, number_text
 from tsd_casadi.robot.sole_patch import SolePatch
 
-# of angles: 0.1 mrad moves a foot by less than 0.1 mm and tilts it by less than 0.3 mrad
-DIGITS = 4
 # turns smaller than this are rounding [rad]
 UPRIGHT = 1e-5
 
@@ -43,7 +42,7 @@ def robot_file_text(
     """
     parts = [
         _head(name, source, found),
-        _changes(found, efforts),
+        changes_text(found, efforts),
         _home(found.body, home),
         _contacts(found.body, gains),
         _tasks(found, home),
@@ -63,85 +62,37 @@ def _head(name: str, source: str, found: Survey) -> list[str]:
     ]
 
 
-def _changes(found: Survey, efforts: Mapping[str, float]) -> list[str]:
-    lines = _locked(found.locks)
-    if efforts:
-        lines += [
-            "",
-            "# ASSUMED, the description has no torque limits: five times what a crouch takes.",
-            "# Put in those of the motors. [N m]",
-            "effort:",
-            *(f"  {_key(joint)}: {value:g}" for joint, value in efforts.items()),
-        ]
-    if found.position:
-        lines += [
-            "",
-            "# These turn without end in the description; a limit is needed. [rad]",
-            "position:",
-            *(f"  {_key(joint)}: [{low}, {high}]" for joint, (low, high) in found.position.items()),
-        ]
-    if found.moments:
-        lines += [
-            "",
-            "# No body can have the description's inertia of these: the nearest possible one,",
-            "# or that of a ball of the same mass. xx, yy, zz, xy, xz, yz. [kg m^2]",
-            "links:",
-            *(
-                f"  {_key(link)}: {{inertia: [{', '.join(f'{value:.6g}' for value in values)}]}}"
-                for link, values in found.moments.items()
-            ),
-        ]
-    return lines[1:] if lines[:1] == [""] else lines
-
-
-def _locked(locks: Locks) -> list[str]:
-    if not locks.angles:
-        return []
-    lines = ["# Joints that do not move. [rad]", "locked:"]
-    named = {joint for joints in locks.patterns.values() for joint in joints}
-    for pattern, joints in locks.patterns.items():
-        angles = {round(locks.angles[joint], DIGITS) for joint in joints}
-        # one angle for a pattern, or each joint by itself
-        shown = {pattern: joints[0]} if len(angles) == 1 else {each: each for each in joints}
-        lines += [f"  {_key(key)}: {_number(locks.angles[each])}" for key, each in shown.items()]
-    reason = ""
-    for joint, why in locks.reasons.items():
-        if joint in named:
-            continue
-        if why != reason:
-            lines.append(f"  # {why}")
-            reason = why
-        lines.append(f"  {_key(joint)}: {_number(locks.angles[joint])}")
-    return lines
-
-
 def _home(body: Body, home: HomePosture) -> list[str]:
-    q = home.posed.q
+    posed = home.posed
+    q = posed.q
     rotation = pinocchio.Quaternion(q[3:7]).matrix()
     lines: list[str] = []
     if np.linalg.norm(pinocchio.log3(rotation)) > UPRIGHT:
         lines += [
-            f"# How the base link is turned in the world{_leaning(home)}. Roll, pitch, yaw. [rad]",
-            f"base_orientation: {_list(pinocchio.rpy.matrixToRpy(rotation), 6)}",
+            "# How the base link is turned where the robot stands. Roll, pitch, yaw. [rad]",
+            *_leaning(home),
+            f"base_orientation: {list_text(pinocchio.rpy.matrixToRpy(rotation), 6)}",
             "",
         ]
     names = list(body.model.names)[2:]
     angles = {name: round(float(angle), DIGITS) for name, angle in zip(names, q[7:], strict=True)}
     lines += [
-        f"# A crouch with the centre of mass {home.posed.height:.2f} m above the soles, knees bent",
-        f"# by {home.posed.bend:.2f} rad; every joint is {home.posed.margin:.2f} rad or more from its",
-        f"# limits and takes {100 * home.posed.share:.0f} % of its torque or less. Joints left out",
-        "# are at zero. [rad]",
+        f"# A crouch with the centre of mass {posed.height:.2f} m above the soles, the knees",
+        f"# bent by {posed.bend:.2f} rad; every joint keeps {posed.margin:.2f} rad to its limits",
+        f"# and takes at most {100 * posed.share:.0f} % of its torque. Joints left out are at",
+        "# zero. [rad]",
         "home:",
-        *(f"  {_key(name)}: {_number(angle)}" for name, angle in angles.items() if angle),
+        *(f"  {key_text(name)}: {number_text(angle)}" for name, angle in angles.items() if angle),
     ]
     return lines
 
 
-def _leaning(home: HomePosture) -> str:
+def _leaning(home: HomePosture) -> list[str]:
     if not home.lean:
-        return ""
-    return f", {home.lean:g} rad of it a bow: upright, the ankles are too near to their limits"
+        return []
+    return [
+        f"# {home.lean:g} rad of it is a bow: upright, the ankles come too near to their limits."
+    ]
 
 
 def _contacts(body: Body, gains: Gains) -> list[str]:
@@ -153,10 +104,10 @@ def _contacts(body: Body, gains: Gains) -> list[str]:
     for name, sole in zip(("left_foot", "right_foot"), body.soles, strict=True):
         lines += [
             f"  - name: {name}",
-            f"    frame: {_key(sole.frame)}",
+            f"    frame: {key_text(sole.frame)}",
             *_offset(sole),
-            f"    x: {_list(sole.x)}  # m",
-            f"    y: {_list(sole.y)}  # m",
+            f"    x: {list_text(sole.x)}  # m",
+            f"    y: {list_text(sole.y)}  # m",
             f"    friction: {FRICTION:g}",
             f"    torsional_friction: {gains.torsional_friction:g}  # m",
             f"    minimum_force: {gains.minimum_force:g}  # N",
@@ -167,8 +118,8 @@ def _contacts(body: Body, gains: Gains) -> list[str]:
 def _offset(sole: SolePatch) -> list[str]:
     if sole.is_frame:
         return []
-    xyz = _list(sole.placement.translation, 5)
-    rpy = _list(pinocchio.rpy.matrixToRpy(sole.placement.rotation), 6)
+    xyz = list_text(sole.placement.translation, 5)
+    rpy = list_text(pinocchio.rpy.matrixToRpy(sole.placement.rotation), 6)
     return [f"    offset: {{xyz: {xyz}, rpy: {rpy}}}  # m, rad; from there to the sole, z up"]
 
 
@@ -188,7 +139,7 @@ def _tasks(found: Survey, home: HomePosture) -> list[str]:
     for name, joint in both.items():
         axes = ("rx", "ry", "rz") if joint == 1 else body.trunk_axes(home.posed.q)
         if axes:
-            frame = _key(bodies.link_of(joint))
+            frame = key_text(bodies.link_of(joint))
             lines.append(
                 f"  - {{type: frame, name: {name}, frame: {frame}, "
                 f"axes: [{', '.join(axes)}], {gains}}}"
@@ -223,20 +174,5 @@ def _motions(ranges: Mapping[str, Mapping[str, tuple[float, float]]]) -> list[st
     ]
     for motion, parameters in ranges.items():
         lines.append(f"  {motion}:")
-        lines += [f"    {name}: {_list(ends)}" for name, ends in parameters.items()]
+        lines += [f"    {name}: {list_text(ends)}" for name, ends in parameters.items()]
     return lines
-
-
-def _list(values: Sequence[float] | Any, digits: int = 4) -> str:
-    return f"[{', '.join(_number(float(value), digits) for value in values)}]"
-
-
-def _number(value: float, digits: int = DIGITS) -> str:
-    return repr(round(value, digits) + 0.0)  # minus zero is zero
-
-
-def _key(name: str) -> str:
-    """Quote what YAML would not read as the text that it is."""
-    plain = name.replace("_", "").isalnum() and name[:1].isalpha()
-    reserved = name.lower() in ("on", "off", "yes", "no", "true", "false", "null", "y", "n")
-    return name if plain and not reserved else "'" + name.replace("'", "''") + "'"

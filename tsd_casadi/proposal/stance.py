@@ -28,6 +28,8 @@ STEPS = 40
 # largest step: beyond, the linearisation is worth nothing [rad, m]
 LARGEST_STEP = 0.4
 TOLERANCE = 1e-7
+# steps without getting nearer by a hundredth
+PATIENCE, NEARER = 6, 0.99
 # soles and centre of mass are where they should be [m, rad]
 REACHED = 2e-4
 
@@ -68,8 +70,14 @@ def settle(body: Body, start: Vector, preferred: Vector, wish: Wish) -> Vector |
     q[7:] = np.clip(q[7:], low, high)
     weights = np.full(model.nv, POSTURE)
     weights[:6] = 1e-6
+    best, waited = np.inf, 0
     for _ in range(STEPS):
         error, J = _residual(body, data, q, wish)
+        # a posture that is out of reach shows by getting no nearer
+        missed = float(np.linalg.norm(error))
+        best, waited = (missed, 0) if missed < NEARER * best else (best, waited + 1)
+        if waited > PATIENCE and _hard(error) > REACHED:
+            break
         away = pinocchio.difference(model, q, preferred)
         free = np.full(6, LARGEST_STEP)
         lower = np.concatenate((-free, np.maximum(low - q[7:], -LARGEST_STEP)))
@@ -80,8 +88,7 @@ def settle(body: Body, start: Vector, preferred: Vector, wish: Wish) -> Vector |
         if np.abs(step).max() < TOLERANCE:
             break
     error, _ = _residual(body, data, q, wish)
-    hard = np.abs(np.concatenate((error[:12] / SOLES, error[12:15] / COM)))
-    return q if hard.max() < REACHED else None
+    return q if _hard(error) < REACHED else None
 
 
 def sole_places(body: Body, width: float) -> tuple[Any, Any]:
@@ -97,6 +104,11 @@ def sole_places(body: Body, width: float) -> tuple[Any, Any]:
         for sole, side in zip(body.soles, (1.0, -1.0), strict=True)
     )
     return left, right
+
+
+def _hard(error: Vector) -> float:
+    """Compute how far soles and centre of mass are off at most [m, rad]."""
+    return float(np.abs(np.concatenate((error[:12] / SOLES, error[12:15] / COM))).max())
 
 
 def _bounded_step(gram: Matrix, gradient: Vector, lower: Vector, upper: Vector) -> Vector:

@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 import pinocchio
 
-from tsd_casadi.exceptions import RobotFileError
-from tsd_casadi.exceptions.did_you_mean import nearest
 from tsd_casadi.proposal.arms import body_height
 from tsd_casadi.proposal.body import Body, upright_neutral
 from tsd_casadi.proposal.efforts import known_limits
+from tsd_casadi.proposal.feet import check_feet, describe_soles, find_foot
 from tsd_casadi.proposal.locks import (
     Locks,
     lock_followers,
@@ -84,7 +83,7 @@ def survey(source: Path, feet: tuple[str, str], patterns: Sequence[str]) -> Surv
         if joint.get("type") == CONTINUOUS and name not in locks.angles
     }
     bodies = _bodies(description, locks, position, {})
-    frames = tuple(_find_foot(bodies, source, foot) for foot in feet)
+    frames = tuple(find_foot(bodies, source, foot) for foot in feet)
     legs = _leg_joints(bodies.model, frames)
     lock_unmovable(locks, source, bodies.full, legs)
     settle_angles(locks, bodies.full)
@@ -97,7 +96,7 @@ def survey(source: Path, feet: tuple[str, str], patterns: Sequence[str]) -> Surv
     if moments:
         notes.append(f"inertias that no body can have are replaced: {', '.join(moments)}")
     body = _stand_up(description, bodies, feet)
-    notes += _about_soles(body, feet)
+    notes += describe_soles(body, feet)
     return Survey(description, bodies, body, locks, position, moments, notes)
 
 
@@ -112,16 +111,6 @@ def _bodies(
     return RigidBodyModel(Path(tempfile.gettempdir()) / "robot.yaml", draft, description)
 
 
-def _find_foot(bodies: RigidBodyModel, source: Path, foot: str) -> int:
-    index = bodies.find_frame(foot)
-    if index is None:
-        names = [frame.name for frame in list(bodies.model.frames)[2:]]
-        raise RobotFileError(
-            source, "--feet", f"'{foot}' is no link or frame", nearest(foot, names)
-        )
-    return index
-
-
 def _leg_joints(model: Any, frames: Sequence[int]) -> set[str]:
     joints = {j for frame in frames for j in list(model.supports[model.frames[frame].parentJoint])}
     return {str(model.names[j]) for j in joints - {0, 1}}
@@ -129,9 +118,9 @@ def _leg_joints(model: Any, frames: Sequence[int]) -> set[str]:
 
 def _stand_up(description: Description, bodies: RigidBodyModel, feet: tuple[str, str]) -> Body:
     model, path = bodies.model, description.path
-    frames = [_find_foot(bodies, path, foot) for foot in feet]
+    frames = [find_foot(bodies, path, foot) for foot in feet]
     joints = [model.frames[frame].parentJoint for frame in frames]
-    _check_feet(model, path, feet, joints)
+    check_feet(model, path, feet, joints)
     upright = find_upright(path, model, (frames[0], frames[1]))
     q = upright_neutral(model, upright)
     geometry = foot_geometry(description, bodies, joints)
@@ -158,25 +147,6 @@ def _inside(sole: SolePatch) -> SolePatch:
     return dataclasses.replace(sole, x=shrunk[0], y=shrunk[1])
 
 
-def _check_feet(model: Any, path: Path, feet: tuple[str, str], joints: Sequence[int]) -> None:
-    for foot, joint in zip(feet, joints, strict=True):
-        below = [str(model.names[j]) for j in range(2, model.njoints) if model.parents[j] == joint]
-        if joint < 2:
-            raise RobotFileError(
-                path, "--feet", f"{foot} is a part of the base", "the last links of both legs"
-            )
-        if below:
-            raise RobotFileError(
-                path,
-                "--feet",
-                f"{foot} is no foot: {', '.join(below)} moves what is below it",
-                "the last link of the leg, or a locked toe: "
-                + " ".join(f"--lock {name}" for name in below),
-            )
-    if joints[0] == joints[1]:
-        raise RobotFileError(path, "--feet", "are one and the same body", "two that move apart")
-
-
 def _add_frame(model: Any, name: str, sole: SolePatch) -> int:
     frame = model.frames[sole.index]
     kind = pinocchio.FrameType.OP_FRAME
@@ -184,19 +154,3 @@ def _add_frame(model: Any, name: str, sole: SolePatch) -> int:
     return int(
         model.addFrame(pinocchio.Frame(name, frame.parentJoint, sole.index, placement, kind))
     )
-
-
-def _about_soles(body: Body, feet: tuple[str, str]) -> list[str]:
-    notes = []
-    for side, foot, sole in zip(("left", "right"), feet, body.soles, strict=True):
-        size = f"{1e3 * np.ptp(sole.x):.0f} mm x {1e3 * np.ptp(sole.y):.0f} mm"
-        where = f"at frame {sole.frame}" if sole.is_frame else f"under {sole.frame}"
-        notes.append(f"{side} sole: {size} {where}, from its {sole.source} geometry")
-        if sole.source == "visual":
-            notes.append(f"{foot} has no flat collision geometry: what is drawn was taken")
-        if 2e-3 < abs(sole.named_height) < 0.02 and sole.frame == foot and not sole.is_frame:
-            notes.append(f"{foot} is {1e3 * sole.named_height:.1f} mm above its lowest flat patch")
-    heel, toe = (abs(float(extent)) for extent in body.soles[0].from_ankle)
-    if heel > 1.2 * toe:
-        notes.append("the heels are longer than the toes: is LEFT really the left foot?")
-    return notes

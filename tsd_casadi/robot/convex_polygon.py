@@ -41,7 +41,7 @@ def largest_rectangle(polygon: Matrix) -> tuple[Range, Range]:
     Returns:
         Its (low, high) along x and along y.
     """
-    x, y = polygon.T
+    x = polygon[:, 0]
     cuts = np.unique(np.concatenate((x, np.linspace(x.min(), x.max(), CUTS))))
     crossings = [_crossings(polygon, cut) for cut in cuts]
     low = np.array([heights.min() for heights in crossings])

@@ -42,7 +42,8 @@ class SweptPoints:
         """
         reach = self.centers @ normal + self.radii
         chosen = reach >= reach.max() - tolerance
-        return self.centers[chosen] + self.radii[chosen, None] * normal
+        points: Matrix = self.centers[chosen] + self.radii[chosen, None] * normal
+        return points
 
     def facet_normals(self, count: int) -> list[Vector]:
         """Find outward normals of the largest facets of the centres' hull.
