@@ -25,9 +25,10 @@ def add_feet(robot: Robot, bodies: Sequence[Any]) -> None:
     Args:
         bodies: ``MjsBody`` of each of Pinocchio's joints.
     """
-    for contact, index in zip(robot.description.contacts, robot.sole_frames, strict=True):
-        frame = robot.model.frames[index]
-        body, placement = bodies[frame.parentJoint], frame.placement
+    homes = robot.sole_placements(robot.home.q)
+    for contact, foot, home in zip(robot.description.contacts, robot.feet, homes, strict=True):
+        frame = robot.model.frames[foot.frame]
+        body, placement = bodies[frame.parentJoint], frame.placement * foot.upright(home)
         if isinstance(contact, SoleFile):
             bounds = np.array([contact.x, contact.y])
             middle, half = bounds.mean(axis=1), np.ptp(bounds, axis=1) / 2

@@ -43,9 +43,10 @@ def compare_ground(
     found = _level(model, floors)
     data = robot.model.createData()
     pinocchio.framesForwardKinematics(robot.model, data, pinocchio.neutral(robot.model))
-    for contact, frame in zip(robot.description.contacts, robot.sole_frames, strict=True):
-        joint = robot.model.frames[frame].parentJoint
-        sole = displacements[joint] * data.oMf[frame]
+    homes = robot.sole_placements(robot.home.q)
+    for contact, foot, home in zip(robot.description.contacts, robot.feet, homes, strict=True):
+        joint = robot.model.frames[foot.frame].parentJoint
+        sole = displacements[joint] * data.oMf[foot.frame] * foot.upright(home)
         name = robot.model.names[joint] if joint > 1 else ""
         bodies = [body for body, mover in enumerate(scene.joint_of) if mover == name]
         feet = [
