@@ -248,10 +248,8 @@ def test_a_ball_is_made_under_the_point_however_its_frame_is_turned(
     mujoco.mj_forward(simulator.model, data)
     assert data.ncon == 4
     # as deep as the rounding of the home posture, and straight below the points
-    places = np.array([place.translation for place in robot.sole_placements(robot.home.q)])
-    np.testing.assert_allclose(
-        np.sort(data.contact.pos, axis=0), np.sort(places, axis=0), atol=1e-6
-    )
+    for place in robot.sole_placements(robot.home.q):
+        assert np.linalg.norm(data.contact.pos - place.translation, axis=1).min() < 1e-6
 
 
 def test_its_static_poses_tell_the_centre_of_mass(
