@@ -642,17 +642,22 @@ def test_posture_cost_against_dense_numpy(robot: Robot, controller: Controller) 
         qdd_des[6:] = command["posture.P"] * (command["posture.q_ref"] - command["q"][7:])
         qdd_des[6:] -= command["posture.D"] * command["v"][6:]
         nv = robot.nv
-        # where the tasks leave no freedom it is next to nothing, of the size of rounding:
-        # of the sum, and of P_null near a straight knee
-        H, g = N.T @ W_q @ N, -N.T @ W_q @ N @ qdd_des
-        eps, s = float(np.finfo(float).eps), np.linalg.svd(np.vstack(numeric.stacked()))[1]
-        condition = (s[0] ** 2 + DAMPING) / (s[-1] ** 2 + DAMPING)
-        for found, expected, whole in (
-            ((with_posture.H - without.H)[:nv, :nv], H, without.H),
-            ((with_posture.g - without.g)[:nv], g, without.g),
-        ):
-            in_projector = condition * np.abs(expected).max()
-            close(found, expected, 10 * eps * (np.abs(whole).max() + in_projector))
+        # where the tasks leave no freedom the share is of the size of rounding: of the
+        # sum, and of P_null = I - ..., which a nearly straight knee makes worse
+        s = np.linalg.svd(np.vstack(numeric.stacked()))[1]
+        eps = 10 * float(np.finfo(float).eps)
+        P_error = eps * s[0] ** 2 / (s[-1] ** 2 + DAMPING)
+        H_error = 2 * np.abs(N).max() * W_q.max() * P_error
+        close(
+            (with_posture.H - without.H)[:nv, :nv],
+            N.T @ W_q @ N,
+            H_error + eps * np.abs(without.H).max(),
+        )
+        close(
+            (with_posture.g - without.g)[:nv],
+            -N.T @ W_q @ N @ qdd_des,
+            H_error * np.abs(qdd_des).max() + eps * np.abs(without.g).max(),
+        )
 
 
 def test_posture_does_not_disturb_the_tasks(controller: Controller) -> None:
