@@ -8,7 +8,6 @@ from __future__ import annotations
 from itertools import product
 from typing import Any
 
-import coal
 import numpy as np
 import pinocchio
 from scipy.spatial import ConvexHull
@@ -17,14 +16,13 @@ from tsd_casadi.robot.checks import FLATNESS
 from tsd_casadi.robot.geometry import load_primitives
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.robot.robot_file_sections import SoleFile
-from tsd_casadi.state import Matrix, Vector
+from tsd_casadi.robot.swept_points import points_of_link
+from tsd_casadi.state import Matrix
 
 Extents = tuple[tuple[float, float], tuple[float, float]]
 
 # narrower than this, points are on a line and carry no sole [m]
 NARROW = 1e-6
-# of a cylinder's rim
-RIM = np.linspace(0, 2 * np.pi, 64, endpoint=False)
 
 
 def find_undersides(robot: Robot) -> dict[str, Matrix]:
@@ -41,12 +39,10 @@ def find_undersides(robot: Robot) -> dict[str, Matrix]:
         for frame in robot.model.frames
         if frame.parentJoint in joints and frame.type == pinocchio.FrameType.BODY
     ]
-    shapes = load_primitives(robot.bodies, links).geometryObjects
+    geometry = load_primitives(robot.bodies, links)
     return {
-        contact.name: _underside(
-            [shape for shape in shapes if shape.parentJoint == frame.parentJoint], frame.placement
-        )
-        for contact, frame in zip(robot.description.contacts, frames, strict=True)
+        contact.name: _underside(robot, geometry, index)
+        for contact, index in zip(robot.description.contacts, robot.sole_frames, strict=True)
     }
 
 
@@ -78,30 +74,12 @@ def sole_extents(contact: SoleFile, underside: Matrix) -> Extents:
     return (x, X), (y, Y)
 
 
-def _underside(shapes: list[Any], sole: Any) -> Matrix:
-    placed = [_points(shape.geometry) for shape in shapes]
-    points = [np.empty((0, 3))]
-    for shape, (local, radius) in zip(shapes, placed, strict=True):
-        offset = sole.actInv(shape.placement)
-        below = local @ offset.rotation.T + offset.translation
-        points.append(below - [0.0, 0.0, radius])
-    together = np.vstack(points)
-    if not len(together) or abs(float(together[:, 2].min())) > FLATNESS:
-        return np.empty((0, 2))
-    return np.asarray(together[together[:, 2] < together[:, 2].min() + FLATNESS, :2])
-
-
-def _points(shape: Any) -> tuple[Matrix, float]:
-    """List the corners of a shape, and the radius of the ball around each."""
-    nothing: Vector = np.zeros((1, 3))
-    if isinstance(shape, coal.Box):
-        return np.array(list(product((-1.0, 1.0), repeat=3))) * shape.halfSide, 0.0
-    if isinstance(shape, coal.Sphere):
-        return nothing, float(shape.radius)
-    if isinstance(shape, coal.Capsule):
-        return shape.halfLength * np.array([[0, 0, -1.0], [0, 0, 1.0]]), float(shape.radius)
-    if isinstance(shape, coal.Cylinder):
-        circle = shape.radius * np.column_stack((np.cos(RIM), np.sin(RIM)))
-        ends = (-shape.halfLength, shape.halfLength)
-        return np.vstack([np.column_stack((circle, np.full(len(RIM), z))) for z in ends]), 0.0
-    return np.empty((0, 3)), 0.0
+def _underside(robot: Robot, geometry: Any, frame: int) -> Matrix:
+    sole = robot.model.frames[frame].placement
+    points = points_of_link(robot.model, geometry, frame)
+    nothing: Matrix = np.empty((0, 2))
+    if points is None:
+        return nothing
+    lowest = points.lowest(-sole.rotation[:, 2], FLATNESS)
+    in_sole = (lowest - sole.translation) @ sole.rotation
+    return nothing if abs(in_sole[:, 2].min()) > FLATNESS else np.asarray(in_sole[:, :2])
