@@ -82,11 +82,12 @@ def survey(source: Path, feet: tuple[str, str], patterns: Sequence[str]) -> Surv
         for name, joint in description.joints().items()
         if joint.get("type") == CONTINUOUS and name not in locks.angles
     }
+    settle_angles(locks, description)
     bodies = _bodies(description, locks, position, {})
     frames = tuple(find_foot(bodies, source, foot) for foot in feet)
     legs = _leg_joints(bodies.model, frames)
     lock_unmovable(locks, source, bodies.full, legs)
-    settle_angles(locks, bodies.full)
+    settle_angles(locks, read_description(source, description.kind))
     moments = mend_inertias(bodies)
     description = read_description(source, description.kind)
     bodies = _bodies(description, locks, position, moments)

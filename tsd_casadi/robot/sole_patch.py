@@ -97,14 +97,15 @@ def find_sole_patch(
     """
     data = model.createData()
     pinocchio.framesForwardKinematics(model, data, q)
-    joint = model.frames[frame].parentJoint
+    upright = data.oMi[model.frames[frame].parentJoint]
+    down = upright.rotation.T @ np.array([0.0, 0.0, -1.0])
     found = []
     for source, geometry in geometries.items():
-        points = points_of_link(model, geometry, frame)
+        points = points_of_link(model, geometry, frame, down)
         if points is None:
             found.append(f"no {source} geometry")
             continue
-        patch = _patch_of(points, data.oMi[joint])
+        patch = _patch_of(points, upright)
         if patch is not None:
             return _placed(model, frame, patch, source)
         found.append(f"{source} geometry of {points.kinds}, which touches in a point or a line")
@@ -176,8 +177,9 @@ def _placed(model: Any, frame: int, patch: tuple[Any, Matrix], source: str) -> S
     height = float(placement.actInv(named.placement).translation[2])
     ahead = outline[:, 0] + float(placement.actInv(np.zeros(3))[0]) * -1.0
     extent = (float(ahead.min()), float(ahead.max()))
-    links = [i for i, each in enumerate(model.frames) if each.parentJoint == named.parentJoint]
-    for index in [frame, *links]:
+    rigid = [i for i, each in enumerate(model.frames) if each.parentJoint == named.parentJoint]
+    links = [i for i in rigid if model.frames[i].type == pinocchio.FrameType.BODY]
+    for index in [frame, *links, *rigid]:
         offset = model.frames[index].placement.actInv(placement)
         if _coincides(offset):
             shifted = outline + offset.translation[:2]
