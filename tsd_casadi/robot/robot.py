@@ -17,6 +17,7 @@ from tsd_casadi.exceptions import InvalidValue, UnknownRobot
 from tsd_casadi.robot.checks import check_robot
 from tsd_casadi.robot.description import Kind, read_description
 from tsd_casadi.robot.description_path import resolve_path
+from tsd_casadi.robot.foot import Foot, make_foot
 from tsd_casadi.robot.joint_patterns import values_by_joint
 from tsd_casadi.robot.rigid_body_model import RigidBodyModel
 from tsd_casadi.robot.robot_file import RobotFile, read_robot_file
@@ -204,6 +205,12 @@ class Robot:
             Its index in ``model.frames``.
         """
         return int(self.model.getFrameId(self.frame_name(part)))
+
+    @cached_property
+    def feet(self) -> list[Foot]:
+        """What each contact keeps in its place, in the order of the robot file."""
+        contacts = zip(self.description.contacts, self.sole_frames, strict=True)
+        return [make_foot(contact, frame) for contact, frame in contacts]
 
     def axis_for(self, motion: str, kind: str, axis: str, prefer: str = "") -> str:
         """Find the axis 'task.axis' that carries a motion.

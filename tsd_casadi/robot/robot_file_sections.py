@@ -64,11 +64,15 @@ class SoleFile(Section):
 class PointFile(Section):
     """A foot that touches the ground in a point and carries no moment.
 
+    It is a ball at the end of a leg: its link turns while the leg moves. So only
+    the frame's origin counts, which has to be on the ground at home; the force is
+    in axes parallel to the world's, its normal the world's z.
+
     Attributes:
         type: Always 'point'.
         name: Name of the contact.
         frame: Link or frame of the description.
-        offset: From that to the point; its z axis is up at home.
+        offset: From that to the point; none if the frame is there.
         friction: Coulomb coefficient that the controller counts on.
         minimum_force: Least normal force while in contact [N].
     """

@@ -1,4 +1,4 @@
-"""Where a robot on flat feet does not tip over: the hull of its soles."""
+"""Where a robot does not tip over: the hull of its soles and points."""
 
 from __future__ import annotations
 
@@ -11,20 +11,16 @@ DIGITS = 9  # of a corner [m]
 
 
 def support_polygon(robot: Robot, q: Vector) -> Matrix:
-    """Compute the convex hull of the soles' rectangles on the ground.
+    """Compute the convex hull of the soles' rectangles and the points on the ground.
 
     Args:
-        q: Configuration, shape (nq,), soles flat.
+        q: Configuration, shape (nq,), feet on the ground.
 
     Returns:
         Its corners, anticlockwise, (c, 2) [m], world frame.
     """
-    corners = [
-        (sole.rotation @ [x, y, 0.0] + sole.translation)[:2]
-        for contact, sole in zip(robot.description.contacts, robot.sole_placements(q), strict=True)
-        for x in contact.x
-        for y in contact.y
-    ]
+    places = zip(robot.feet, robot.sole_placements(q), strict=True)
+    corners = np.vstack([foot.corners(place)[:, :2] for foot, place in places])
     # corners of an edge along y have the same x, but for rounding, which would order them
     # at random and have the chain below lose some
     return _hull(sorted({tuple(map(float, np.round(corner, DIGITS))) for corner in corners}))
