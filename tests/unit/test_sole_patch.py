@@ -175,3 +175,9 @@ def test_the_largest_rectangle_of_a_rhombus_is_half_of_it() -> None:
     rhombus = hull(np.array([(-1.0, 0.0), (0.0, -0.5), (1.0, 0.0), (0.0, 0.5)]))
     x, y = largest_rectangle(rhombus)
     assert (x[1] - x[0]) * (y[1] - y[0]) == pytest.approx(0.5 * area(rhombus), rel=1e-3)
+
+
+def test_a_missing_mesh_is_named(small_humanoid: Write, geometry_of: Shape) -> None:
+    gone = geometry_of('<mesh filename="package://nowhere/foot.stl"/>')
+    with pytest.raises(RobotFileError, match=r"package://nowhere/foot\.stl"):
+        left_sole(small_humanoid(gone))

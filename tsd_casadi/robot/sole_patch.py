@@ -11,7 +11,7 @@ and n is the one, of those that point down, whose patch has the largest hull.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -79,7 +79,12 @@ class SolePatch:
 
 
 def find_sole_patch(
-    path: Path, model: Any, geometries: Mapping[str, Any], frame: int, q: Vector
+    path: Path,
+    model: Any,
+    geometries: Mapping[str, Any],
+    frame: int,
+    q: Vector,
+    missing: Sequence[str] = (),
 ) -> SolePatch:
     """Find the lowest flat patch of a foot.
 
@@ -91,6 +96,8 @@ def find_sole_patch(
         frame: Index of the foot's link, or of a frame on it.
         q: Configuration, shape (nq,): upright, facing along the world's x axis, the feet
             within 45 degrees of flat.
+
+        missing: Meshes that are not there, for the error.
 
     Raises:
         RobotFileError: If the foot has no geometry or none that is flat.
@@ -109,6 +116,8 @@ def find_sole_patch(
         if patch is not None:
             return _placed(model, frame, patch, source)
         found.append(f"{source} geometry of {points.kinds}, which touches in a point or a line")
+    if missing:
+        found.append(f"meshes that are not there ({', '.join(missing)})")
     raise RobotFileError(
         path,
         f"link {model.frames[frame].name}",
