@@ -25,8 +25,8 @@ LEANS = (0.0, 0.15, 0.3, 0.45, 0.6)
 # a bow that nobody minds [rad]
 SLIGHT = 0.3
 # squats and bends of the knees for which a smaller lean is good enough, better ones first;
-# for the bend alone nobody bows by more than slightly. [m, rad] From 1.16 to 1.28 rad, what the first iteration leaves of the error of a 33 kg
-# humanoid fell from 1/33 to 1/53
+# for the bend alone nobody bows by more than slightly. From 1.16 to 1.28 rad, what the first
+# iteration leaves of the error of a 33 kg humanoid fell from 1/33 to 1/53 [m, rad]
 GOOD_ENOUGH = ((0.025, 1.2), (0.025, 0.0), (0.01, 0.0))
 # widths in shares of where the feet are at neutral, tried where the robot cannot stand else
 WIDTHS = (1.0, 1.25, 0.8)

@@ -11,7 +11,7 @@ and n is the one, of those that point down, whose patch has the largest hull.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -79,7 +79,12 @@ class SolePatch:
 
 
 def find_sole_patch(
-    path: Path, model: Any, geometries: Mapping[str, Any], frame: int, q: Vector
+    path: Path,
+    model: Any,
+    geometries: Mapping[str, Any],
+    frame: int,
+    q: Vector,
+    missing: Sequence[str] = (),
 ) -> SolePatch:
     """Find the lowest flat patch of a foot.
 
@@ -92,22 +97,27 @@ def find_sole_patch(
         q: Configuration, shape (nq,): upright, facing along the world's x axis, the feet
             within 45 degrees of flat.
 
+        missing: Meshes that are not there, for the error.
+
     Raises:
         RobotFileError: If the foot has no geometry or none that is flat.
     """
     data = model.createData()
     pinocchio.framesForwardKinematics(model, data, q)
-    joint = model.frames[frame].parentJoint
+    upright = data.oMi[model.frames[frame].parentJoint]
+    down = upright.rotation.T @ np.array([0.0, 0.0, -1.0])
     found = []
     for source, geometry in geometries.items():
-        points = points_of_link(model, geometry, frame)
+        points = points_of_link(model, geometry, frame, down)
         if points is None:
             found.append(f"no {source} geometry")
             continue
-        patch = _patch_of(points, data.oMi[joint])
+        patch = _patch_of(points, upright)
         if patch is not None:
             return _placed(model, frame, patch, source)
         found.append(f"{source} geometry of {points.kinds}, which touches in a point or a line")
+    if missing:
+        found.append(f"meshes that are not there ({', '.join(missing)})")
     raise RobotFileError(
         path,
         f"link {model.frames[frame].name}",
@@ -176,8 +186,9 @@ def _placed(model: Any, frame: int, patch: tuple[Any, Matrix], source: str) -> S
     height = float(placement.actInv(named.placement).translation[2])
     ahead = outline[:, 0] + float(placement.actInv(np.zeros(3))[0]) * -1.0
     extent = (float(ahead.min()), float(ahead.max()))
-    links = [i for i, each in enumerate(model.frames) if each.parentJoint == named.parentJoint]
-    for index in [frame, *links]:
+    rigid = [i for i, each in enumerate(model.frames) if each.parentJoint == named.parentJoint]
+    links = [i for i in rigid if model.frames[i].type == pinocchio.FrameType.BODY]
+    for index in [frame, *links, *rigid]:
         offset = model.frames[index].placement.actInv(placement)
         if _coincides(offset):
             shifted = outline + offset.translation[:2]

@@ -76,10 +76,11 @@ def sole_extents(contact: SoleFile, underside: Matrix) -> Extents:
 
 def _underside(robot: Robot, geometry: Any, frame: int) -> Matrix:
     sole = robot.model.frames[frame].placement
-    points = points_of_link(robot.model, geometry, frame)
+    down = -sole.rotation[:, 2]
+    points = points_of_link(robot.model, geometry, frame, down)
     nothing: Matrix = np.empty((0, 2))
     if points is None:
         return nothing
-    lowest = points.lowest(-sole.rotation[:, 2], FLATNESS)
+    lowest = points.lowest(down, FLATNESS)
     in_sole = (lowest - sole.translation) @ sole.rotation
     return nothing if abs(in_sole[:, 2].min()) > FLATNESS else np.asarray(in_sole[:, :2])
