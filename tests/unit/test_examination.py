@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,7 +8,6 @@ import numpy as np
 import pytest
 
 from tsd_casadi import Controller, Robot, load_robot
-from tsd_casadi.examination.contact_soles import contact_soles
 from tsd_casadi.examination.examine import examine
 from tsd_casadi.examination.finding import Finding
 from tsd_casadi.examination.impossible_links import SLIGHT, impossible_links
@@ -198,95 +196,3 @@ def test_an_override_settles_a_link(write_robot: WriteRobot, controller: Control
     path.write_text(path.read_text() + finding.remedy.split(": ", 1)[1] + "\n")
     mended = load_robot(path)
     assert examine(mended, controller).findings == ()
-
-
-# soles
-
-
-def soles_of(path: Path) -> list[Finding]:
-    return list(contact_soles(load_robot(path)))
-
-
-def moved(height: float, **changes: Any) -> Callable[[Any], None]:
-    """Put both soles higher in their feet than they are, or lower."""
-
-    def edit(document: Any) -> None:
-        # the postures of the file stand on the frames that are moved: all by the same
-        for contact in document["contacts"]:
-            contact["offset"] = {"xyz": [0.0, 0.0, height]}
-            contact.update(changes)
-
-    return edit
-
-
-def test_the_shipped_soles_are_those_of_the_feet(robot: Robot) -> None:
-    assert list(contact_soles(robot)) == []
-
-
-@pytest.mark.parametrize(
-    ("height", "said"),
-    [
-        (0.0019, None),
-        (0.0021, "2.1 mm above the lowest part of its foot"),
-        (0.01, "10.0 mm above the lowest part of its foot"),
-        (-0.01, "10.0 mm below the lowest part of its foot"),
-        (0.031, "as an ankle is"),
-    ],
-)
-def test_a_sole_that_is_not_where_the_foot_ends_is_an_error(
-    height: float, said: str | None, write_robot: WriteRobot
-) -> None:
-    found = soles_of(write_robot(moved(height)))
-    if said is None:
-        assert found == []
-        return
-    assert [finding.severity for finding in found] == ["error", "error"]
-    assert found[0].element == "contact left_foot"
-    assert said in found[0].found
-    assert "'offset' of the contact" in found[0].remedy
-
-
-def test_the_ankle_is_told_from_the_sole(write_robot: WriteRobot) -> None:
-    def edit(document: Any) -> None:
-        for contact, foot in zip(document["contacts"], ("L_foot", "R_foot"), strict=True):
-            contact["frame"] = foot
-
-    found = soles_of(write_robot(edit))
-    assert all("as an ankle is" in finding.found for finding in found[::2])
-    assert found[0].severity == "error"
-
-
-@pytest.mark.parametrize(("end", "count"), [(0.12, 0), (0.13, 2)])
-def test_a_sole_that_is_larger_than_the_foot_is_told(
-    end: float, count: int, write_robot: WriteRobot
-) -> None:
-    found = soles_of(write_robot(moved(0.0, x=[-0.1, end])))
-    assert [finding.severity for finding in found] == ["warning"] * count
-    for finding in found:
-        assert f"reaches from -0.1 to {end:g} m along x" in finding.found
-        assert "'x: [" in finding.remedy
-
-
-def test_a_foot_without_geometry_cannot_be_compared(write_robot: WriteRobot) -> None:
-    def bare(text: str) -> str:
-        return re.sub(r"<(visual|collision)\b.*?</\1>", "", text, flags=re.S)
-
-    found = soles_of(write_robot(urdf=bare))
-    assert [finding.severity for finding in found] == ["note", "note"]
-    assert "geometry" in found[0].found
-
-
-@pytest.mark.parametrize(("tilt", "count"), [(0.019, 0), (0.021, 2)])
-def test_a_sole_that_is_tilted_in_its_foot_is_an_error(
-    tilt: float, count: int, write_robot: WriteRobot
-) -> None:
-    """The robot file's sole is flat at home, its foot is not."""
-
-    def edit(document: Any) -> None:
-        document["postures"] = {}
-        for side, contact in zip("LR", document["contacts"], strict=True):
-            contact["offset"] = {"rpy": [0.0, tilt, 0.0]}
-            document["home"][f"{side}_AFE"] -= tilt
-
-    found = [finding for finding in soles_of(write_robot(edit)) if "tilted" in finding.found]
-    assert [finding.severity for finding in found] == ["error"] * count
