@@ -34,6 +34,7 @@ from tsd_casadi.wire.learner import (
 from tsd_casadi.wire.question import Question, number
 from tsd_casadi.wire.record import RecordMessage
 from tsd_casadi.wire.suggestion import SuggestionMessage
+from tsd_server.kept_replies import KeptReplies
 from tsd_server.service import Service, reply_json
 from tsd_server.waiting_line import Later
 
@@ -70,6 +71,7 @@ class LearnerService:
         # a connection for each thread; a wrong file is refused before listening
         self._database = Database(path, kept)
         self._exact, self._listing, self._fitting = (Reading(path, kept) for _ in range(3))
+        self._kept_replies = KeptReplies()
         # the first regression would wait seconds for it
         importlib.import_module("sklearn.gaussian_process")
         self._service = Service("learner", ANY_ROBOT, listen)
@@ -100,18 +102,29 @@ class LearnerService:
     def _feedforward(self, query: zenoh.Query, robot: str) -> Later | None:
         if robot == ANY_ROBOT:
             raise MalformedMessage("a feedforward for any robot", "the robot's name in the key")
-        asked = Question.of(_texts(query), QUERY)
-        if asked.kind != "generalised":
+        selector = str(query.selector)
+        body = self._kept_replies.find(selector, self._exact.version())
+        if body is None:
+            asked = Question.of(_texts(query), QUERY)
+            if asked.kind == "generalised":
+                return self._generalise_later(robot, asked)
             try:
-                self._serve(query, robot, replace(asked, kind="learned"), self._exact)
+                body = self._ask(robot, replace(asked, kind="learned"), self._exact)
             except EntryNotFound:
                 if asked.kind == "learned":
                     raise
-            else:
-                return None
-        return Later(self._fits, lambda query: self._serve(query, robot, asked, self._fitting))
+                return self._generalise_later(robot, asked)
+            self._kept_replies.keep(selector, body, self._exact.version())
+        reply_json(query, feedforward_key(robot), body)
+        return None
 
-    def _serve(self, query: zenoh.Query, robot: str, asked: Question, reading: Reading) -> None:
+    def _generalise_later(self, robot: str, asked: Question) -> Later:
+        def answer(query: zenoh.Query) -> None:
+            reply_json(query, feedforward_key(robot), self._ask(robot, asked, self._fitting))
+
+        return Later(self._fits, answer)
+
+    def _ask(self, robot: str, asked: Question, reading: Reading) -> bytes:
         feedforward = reading.query(
             asked.motion,
             robot=robot,
@@ -123,7 +136,7 @@ class LearnerService:
             **asked.numbers(),
         )
         message = FeedforwardMessage.of(robot, asked.motion, feedforward, self._service.instance)
-        reply_json(query, feedforward_key(robot), message.encode())
+        return message.encode()
 
     def _suggestion(self, query: zenoh.Query, robot: str) -> Later:
         return Later(self._fits, lambda query: self._suggest(query, robot))

@@ -169,7 +169,8 @@ class Service:
             say(message.message, sys.stderr)
         finally:
             if later is None:
-                query.drop()  # or its client would wait for more
+                # or its client would wait for more
+                query.drop()  # type: ignore[no-untyped-call]
         if later is not None:
             later.line.put(query, later.answer)
 

@@ -38,7 +38,7 @@ class WaitingLine:
             dropped = self._waiting.popleft() if len(self._waiting) > WAITING_QUERIES else None
             self._condition.notify()
         if dropped is not None:
-            dropped[0].drop()
+            dropped[0].drop()  # type: ignore[no-untyped-call]
 
     def take(self) -> tuple[zenoh.Query, Answer] | None:
         """Wait for the next query; None once the line is closed."""

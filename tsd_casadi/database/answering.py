@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from tsd_casadi.database.entry_index import Group, IndexedEntry
@@ -74,7 +74,7 @@ class Answering:
             used: Key of an entry that it comes from.
         """
         note = {} if used.context.is_known else {"note": UNKNOWN_CONTEXT}
-        return {"context": asdict(used.context), "others": self.others, **note}
+        return {"context": dict(vars(used.context)), "others": self.others, **note}
 
 
 def by_axes(

@@ -77,6 +77,11 @@ class DatabaseFile:
         """Close the file."""
         self.connection.close()
 
+    def version(self) -> tuple[int, int]:
+        """Tell what changes whenever anybody writes; inside a transaction, before it."""
+        (theirs,) = self.execute("PRAGMA data_version")[0]
+        return theirs, self.connection.total_changes
+
     def size(self) -> int:
         """Tell the size of the file and of what is not yet merged into it [bytes]."""
         return sum(

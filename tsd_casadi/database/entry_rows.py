@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from tsd_casadi.database.damaged_entry import DamagedEntry
@@ -61,7 +61,7 @@ class EntryRows:
         try:
             if not rows:
                 raise MalformedMessage("no row of it", "one")
-            return self._build(rows[0], IterationRow)
+            return self._build(rows[0], self.iterations(identifier), IterationRow)
         except ValueError as error:  # of pydantic, or one of ours for shapes and rules
             return self._damaged(identifier, error)
 
@@ -80,22 +80,18 @@ class EntryRows:
             return kept
         try:
             rows = select(self._file, "entry", "id = ?", (identifier,))
-            entry = self._build(rows[0], IterationOutline)
+            iterations = self.iterations(identifier)
+            entry = self._build(rows[0], iterations, IterationOutline)
             if entry.key != indexed.key:
                 raise MalformedMessage(
                     f"an index that has it as {indexed.key.describe()}", "it as its rows say"
                 )
             served = entry.served
-            row = select(
-                self._file,
-                "iteration",
-                "entry = ? AND number = ? ORDER BY event DESC LIMIT 1",
-                (identifier, served.number),
-            )[0]
-            iteration = IterationRow.check(row).iteration(entry.key.axes, entry.basis.L)
+            place = next(i for i, each in enumerate(entry.iterations) if each is served)
+            row = IterationRow.of_checked(iterations[place])
+            entry.iterations[place] = row.iteration(entry.key.axes, entry.basis.L)
         except (ValueError, IndexError) as error:
             return self._damaged(identifier, error)
-        entry.iterations[entry.iterations.index(served)] = iteration
         self._kept.keep(indexed.event, entry)
         return entry
 
@@ -127,17 +123,19 @@ class EntryRows:
         entries, damaged = [], []
         for row in rows:
             try:
-                entries.append(self._build(row, kind))
+                entries.append(self._build(row, self.iterations(row["id"]), kind))
             except ValueError as error:
                 damaged.append(self._damaged(row["id"], error))
         return entries, damaged
 
-    def _build(self, row: Mapping[str, Any], kind: type[IterationOutline]) -> Entry:
+    def _build(
+        self, row: Columns, iterations: Sequence[Columns], kind: type[IterationOutline]
+    ) -> Entry:
         events = select(self._file, "event", "entry = ? ORDER BY id", (row["id"],))
         return build(
             EntryRow.check(row),
             [EventRow.check(each) for each in events],
-            [kind.check(each) for each in self.iterations(row["id"])],
+            [kind.check(each) for each in iterations],
         )
 
     def _damaged(self, identifier: int, error: Exception) -> DamagedEntry:

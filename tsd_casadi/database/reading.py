@@ -24,6 +24,9 @@ from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.declaration import Declaration
 
+# motions, robots and contexts that are asked about; a stranger may ask for any
+MOST_KNOWN = 1_000
+
 
 class Reading:
     """One connection that asks, for one thread at a time.
@@ -49,6 +52,8 @@ class Reading:
         self._rows = EntryRows(self._file, self._kept)
         self._index = EntryIndex(self._file)
         self._regressions = EntryRegressions()
+        self._version = self._file.version()
+        self._known: dict[tuple[str, str | None, str | None, Context | None], Answers] = {}
 
     def _open(self) -> DatabaseFile:
         return DatabaseFile.to_read(self.path)
@@ -104,6 +109,10 @@ class Reading:
         """
         with self._file.transaction():
             return self._rows.outlines(robot, motion)
+
+    def version(self) -> object:
+        """Give what is another whenever somebody has written to the file."""
+        return self._file.version()
 
     def state(self) -> DatabaseState:
         """Tell how the file is, without reading an entry."""
@@ -212,6 +221,17 @@ class Reading:
         return answers.suggestion(comparable, region, parameters, self._regressions)
 
     def _answers(
+        self, motion: str, robot: str | None, version: str | None, context: Context | None
+    ) -> Answers:
+        # what is asked over and over, as long as nobody writes
+        if (now := self._file.version()) != self._version or len(self._known) > MOST_KNOWN:
+            self._version, self._known = now, {}
+        asked = motion, robot, version, context
+        if asked not in self._known:
+            self._known[asked] = self._new_answers(*asked)
+        return self._known[asked]
+
+    def _new_answers(
         self, motion: str, robot: str | None, version: str | None, context: Context | None
     ) -> Answers:
         if robot is None:

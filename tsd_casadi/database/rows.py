@@ -41,10 +41,14 @@ class Row(Document):
         Raises:
             ValueError: If it is not what was written, or makes no sense.
         """
-        content = {name: value for name, value in columns.items() if name != "checksum"}
+        content = _without_checksum(columns)
         if columns["checksum"] != checksum(content):
             raise MalformedMessage("a row that does not fit its checksum", "it as it was written")
         return cls.model_validate(content)
+
+
+def _without_checksum(columns: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in columns.items() if name != "checksum"}
 
 
 class BasisColumn(Document):
@@ -127,6 +131,15 @@ class IterationRow(IterationOutline):
     """A row of the table 'iteration': how an iteration is since an event."""
 
     model_config = ConfigDict(extra="forbid")
+
+    @classmethod
+    def of_checked(cls, columns: Mapping[str, Any]) -> IterationRow:
+        """Decode a row whose checksum its outline has checked.
+
+        Raises:
+            ValueError: If it makes no sense.
+        """
+        return cls.model_validate(_without_checksum(columns))
 
     weights: Json[Numbers]
     uncertainty: Json[Numbers] | None
