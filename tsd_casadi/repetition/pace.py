@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from tsd_casadi.controller.controller import WholeBodyController
@@ -10,6 +9,7 @@ from tsd_casadi.exceptions import ControllerSilent, InvalidValue
 from tsd_casadi.fallback.fallback import Fallback, fallback_of
 from tsd_casadi.repetition.clock import Clock, WallClock
 from tsd_casadi.repetition.deadline import PunctualController, Stopwatch
+from tsd_casadi.repetition.patience import PATIENCE, check_patience
 from tsd_casadi.repetition.torque_blend import TorqueBlend
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
@@ -17,9 +17,6 @@ from tsd_casadi.tick.command import Command
 from tsd_casadi.tick.missed import Cause, Missed
 from tsd_casadi.tick.tick import Tick
 
-# a restarted service is there within seconds, on a loaded machine within a quarter
-# of a minute; twice that
-PATIENCE = 30.0  # s
 SLOWEST, FASTEST = 0.01, 10.0
 
 
@@ -48,16 +45,6 @@ class Pace:
         if not SLOWEST <= self.factor <= FASTEST:
             raise InvalidValue("pace", self.factor, f"{SLOWEST:g} to {FASTEST:g}; 1 is real time")
         check_patience(self.patience)
-
-
-def check_patience(patience: float) -> None:
-    """Refuse a time that nobody can wait.
-
-    Raises:
-        InvalidValue: If it is not above 0 [s].
-    """
-    if math.isnan(patience) or patience <= 0:
-        raise InvalidValue("patience", f"{patience:g} s", "above 0 s; 'inf' waits for ever")
 
 
 class Periods:

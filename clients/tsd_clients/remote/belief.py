@@ -115,8 +115,12 @@ class Belief:
         self.instance = info.instance
         return True
 
-    def look_again(self) -> None:
+    def look_again(self, stranger: int) -> None:
         """Find out whether the controller has restarted, while the caller goes on.
+
+        Args:
+            stranger: Instance of the reply that asks for it; counted if it is not the
+                restarted controller's.
 
         Raises:
             TsdError: What the last time found, see ``has_restarted``.
@@ -124,11 +128,13 @@ class Belief:
         if self._failure is not None:
             raise self._failure
         if self._looking is None or not self._looking.is_alive():
-            self._looking = threading.Thread(target=self._look, daemon=True)
+            self._looking = threading.Thread(target=self._look, args=(stranger,), daemon=True)
             self._looking.start()
 
-    def _look(self) -> None:
+    def _look(self, stranger: int) -> None:
         try:
             self.has_restarted()
         except TsdError as error:
             self._failure = error
+        if stranger != self.instance:
+            self.drop([stranger])

@@ -10,7 +10,7 @@ import numpy as np
 import zenoh
 
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage, ServiceUnreachable, TsdError
-from tsd_casadi.repetition.pace import PATIENCE, check_patience
+from tsd_casadi.repetition.patience import PATIENCE, check_patience
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.command import Command
 from tsd_casadi.tick.format import TickFormat
@@ -171,8 +171,6 @@ class RemoteController:
             if not isinstance(answer, Missed):
                 return self._limited(answer, command)
             missed = answer
-            if answer.cause is Cause.ERROR:
-                self._belief.look_again()
 
     def _pack(self, state: State, command: Command) -> bytes:
         command.set_state(state)
@@ -196,7 +194,7 @@ class RemoteController:
         except TsdError as error:
             return Missed(Cause.ERROR, str(error))
         if message is None or message.instance != self._belief.instance:
-            self._belief.drop([0 if message is None else message.instance])
+            self._belief.look_again(0 if message is None else message.instance)
             return Missed(Cause.ERROR, "the reply is not of the controller that is believed")
         if message.sequence != self._sequence:
             return Missed(Cause.ERROR, "the reply is of another question")
