@@ -9,13 +9,16 @@ from typing import Any
 import numpy as np
 
 from tsd_casadi.exceptions import (
+    InvalidValue,
     LayoutMismatch,
     MalformedMessage,
     ServiceUnreachable,
     TsdError,
     TwoServices,
 )
+from tsd_casadi.state import Vector
 from tsd_casadi.tick.format import TickFormat
+from tsd_casadi.tick.missed import Cause, Missed
 from tsd_casadi.wire.info import InfoMessage
 from tsd_casadi.wire.keys import info_key, tick_key
 from tsd_casadi.wire.tick_message import REPLY, TickMessage, unpack_tick
@@ -115,7 +118,31 @@ class Belief:
         self.instance = info.instance
         return True
 
-    def look_again(self, stranger: int) -> None:
+    def judge(self, reply: Any, sequence: int) -> Vector | Missed:
+        """Take a reply's numbers, or tell why they cannot be used; waits for nobody.
+
+        Args:
+            sequence: Of the question.
+
+        Raises:
+            TsdError: If an earlier look found another controller; see ``has_restarted``.
+        """
+        try:
+            message = self.read(reply)
+        except ServiceUnreachable:
+            return Missed(Cause.LATE, "no reply")
+        except (InvalidValue, MalformedMessage) as error:
+            return Missed(Cause.REFUSED, str(error))
+        except TsdError as error:
+            return Missed(Cause.ERROR, str(error))
+        if message is None or message.instance != self.instance:
+            self._look_again(0 if message is None else message.instance)
+            return Missed(Cause.ERROR, "the reply is not of the controller that is believed")
+        if message.sequence != sequence:
+            return Missed(Cause.ERROR, "the reply is of another question")
+        return message.values.copy()
+
+    def _look_again(self, stranger: int) -> None:
         """Find out whether the controller has restarted, while the caller goes on.
 
         Args:

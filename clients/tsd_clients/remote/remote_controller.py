@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import zenoh
 
-from tsd_casadi.exceptions import InvalidValue, MalformedMessage, ServiceUnreachable, TsdError
 from tsd_casadi.repetition.patience import PATIENCE, check_patience
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.command import Command
@@ -167,7 +166,7 @@ class RemoteController:
             if reply is None:  # no more replies to this question
                 late = missed.cause is Cause.LATE
                 return Missed(Cause.NOTHING_THERE) if late and not missed.detail else missed
-            answer = self._judge(reply)
+            answer = self._belief.judge(reply, self._sequence)
             if not isinstance(answer, Missed):
                 return self._limited(answer, command)
             missed = answer
@@ -182,20 +181,3 @@ class RemoteController:
         tau = reply[self._tau]
         np.clip(tau, -limit, limit, out=tau)
         return Tick(self.format, reply)
-
-    def _judge(self, reply: Any) -> Vector | Missed:
-        """Take a reply's numbers, or tell why they cannot be used."""
-        try:
-            message = self._belief.read(reply)
-        except ServiceUnreachable:
-            return Missed(Cause.LATE, f"no reply within {TICK_TIMEOUT:g} s")
-        except (InvalidValue, MalformedMessage) as error:
-            return Missed(Cause.REFUSED, str(error))
-        except TsdError as error:
-            return Missed(Cause.ERROR, str(error))
-        if message is None or message.instance != self._belief.instance:
-            self._belief.look_again(0 if message is None else message.instance)
-            return Missed(Cause.ERROR, "the reply is not of the controller that is believed")
-        if message.sequence != self._sequence:
-            return Missed(Cause.ERROR, "the reply is of another question")
-        return message.values.copy()
