@@ -7,6 +7,7 @@ by the rest, and comes to light when the joint between them is set free.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -32,7 +33,9 @@ def impossible_links(description: Description, robot_file: str) -> Iterator[Find
         return
     for name, link in description.links().items():
         inertia = _inertia(link)
-        wrong = None if inertia is None else what_is_wrong(inertia)
+        if inertia is None:
+            continue
+        wrong = what_is_wrong(inertia)
         if wrong is None:
             continue
         slight = 0 <= inertia.mass <= SLIGHT
@@ -44,7 +47,7 @@ def impossible_links(description: Description, robot_file: str) -> Iterator[Find
         )
 
 
-def _inertia(link: ElementTree.Element) -> pinocchio.Inertia | None:
+def _inertia(link: ElementTree.Element) -> Any:
     inertial = link.find("inertial")
     mass, moments = (
         None if inertial is None else inertial.find(tag) for tag in ("mass", "inertia")

@@ -162,4 +162,4 @@ class _Loads:
         base = pinocchio.SE3(pinocchio.Quaternion(q[3:7]).matrix(), q[:3])
         rows = pinocchio.rnea(model, model.createData(), q, np.zeros(model.nv), qdd)[:6]
         wrench = base.act(pinocchio.Force(rows[:3], rows[3:]))
-        return np.array([-wrench.angular[1], wrench.angular[0]]) / wrench.linear[2]
+        return np.asarray([-wrench.angular[1], wrench.angular[0]] / wrench.linear[2])

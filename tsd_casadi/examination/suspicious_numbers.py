@@ -46,7 +46,7 @@ def _high_efforts(robot: Robot) -> Iterator[Finding]:
             yield Finding(
                 "warning",
                 f"joint {joint}",
-                f"has a torque limit of {limit:g} N m, more than {TORQUE_SHARE:g} times the robot's "
+                f"has a torque limit of {limit:g} N m, over {TORQUE_SHARE:g} times the robot's "
                 "weight at the height of its centre of mass",
                 f"the motor's torque, in the robot file 'effort: {{{joint}: N m}}'",
             )

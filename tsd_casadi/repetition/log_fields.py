@@ -49,7 +49,7 @@ LOG_FIELDS: dict[str, LogField] = {
     "tau": LogField("N m", "commanded joint torques, after every compensator", "(n,)", "float32"),
     "wrenches": LogField(
         "N, N m",
-        "contact wrenches [force; moment] that the controller plans, sole frames",
+        "contact wrenches [force; moment] that the controller plans, sole frames or (points) world",
         "(6 c,)",
         "float32",
     ),

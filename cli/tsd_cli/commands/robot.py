@@ -9,6 +9,7 @@ import typer
 
 from tsd_cli.option_groups import with_groups
 from tsd_cli.options.output import JsonOptions
+from tsd_cli.options.proposal import ProposalOptions
 
 
 @with_groups
@@ -54,3 +55,25 @@ def check_robot(
     from tsd_cli.actions.examination import check_robot_file
 
     check_robot_file(robot_file, out if pictures else None, output)
+
+
+@with_groups
+def new_robot(
+    proposal: ProposalOptions,
+    output: JsonOptions,
+    file: Annotated[
+        Path | None, typer.Argument(metavar="FILE", help="A URDF, xacro or MJCF.")
+    ] = None,
+) -> None:
+    """Write a robot file for a description of links and joints.
+
+    Finds the soles under both feet, a crouch to work from and how far each motion may go;
+    locks what is named, and what cannot be controlled. Says what it found and assumed. The
+    file loads as it is, its comments say what to look at.
+
+      tsd robot new my_robot.urdf --feet left_foot,right_foot --lock '.*_finger_.*'
+      tsd robot new --package g1 --feet left_ankle_roll_link,right_ankle_roll_link
+    """
+    from tsd_cli.actions.new_robot import write_new_robot
+
+    write_new_robot(file, proposal, output)
