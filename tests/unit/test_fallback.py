@@ -8,16 +8,27 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+import pinocchio
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from tsd_casadi import InverseDynamics, Robot, State, load_robot
 from tsd_casadi.exceptions import RobotFileError
+from tsd_casadi.fallback.contact_jacobian import contact_jacobian
 from tsd_casadi.fallback.decaying_torque import DecayingTorque
 from tsd_casadi.fallback.fallback import fallback_of
 from tsd_casadi.fallback.gravity_torque import GravityTorque
-from tsd_casadi.fallback.held_posture import DAMPING_TIME, STIFFNESS, HeldPosture
+from tsd_casadi.fallback.held_posture import HeldPosture
+from tsd_casadi.fallback.hold_gains import (
+    DAMPING_RATIO,
+    DAMPING_TIME,
+    FREQUENCY,
+    SLIDING_STIFFNESS,
+    STIFFNESS,
+    hold_gains,
+    standing_inertia,
+)
 from tsd_casadi.fallback.no_torque import NoTorque
 
 PERIOD = 1e-3
@@ -58,16 +69,48 @@ def test_hold_keeps_the_limits(robot: Robot, joints: float, speed: float) -> Non
     assert (np.abs(hold.torque(State(q, v))) <= robot.torque_limit).all()
 
 
-def test_gains_go_with_weight_and_height(robot: Robot, mini_biped: Robot) -> None:
-    hold = HeldPosture(robot)
-    tipping = robot.weight * robot.home_com[2]
-    np.testing.assert_allclose(hold.P, STIFFNESS * tipping)
-    np.testing.assert_allclose(hold.D, DAMPING_TIME * np.sqrt(robot.home_com[2] / 9.81) * hold.P)
+def test_gains_of_what_carries_the_robot_go_with_weight_and_height(
+    robot: Robot, mini_biped: Robot
+) -> None:
+    P, D = hold_gains(robot)
+    knee = robot.joint_names.index("L_KFE")
+    assert P[knee] == pytest.approx(STIFFNESS * robot.weight * robot.home_com[2])
+    assert D[knee] == pytest.approx(DAMPING_TIME * np.sqrt(robot.home_com[2] / 9.81) * P[knee])
     # its legs slide: N/m, not N m/rad
     slide = mini_biped.joint_names.index("far_slide")
-    stiffness = HeldPosture(mini_biped).P
-    assert stiffness[slide] == pytest.approx(10 * mini_biped.weight / mini_biped.home_com[2])
-    assert len(set(stiffness)) == 2
+    stiffness = HeldPosture(mini_biped).P[slide]
+    expected = SLIDING_STIFFNESS * mini_biped.weight / mini_biped.home_com[2]
+    assert stiffness == pytest.approx(expected)
+
+
+def test_gains_of_what_carries_nothing_go_with_its_inertia(any_robot: Robot) -> None:
+    P, D = hold_gains(any_robot)
+    inertia = standing_inertia(any_robot)
+    tipping = any_robot.weight * any_robot.home_com[2]
+    light = np.flatnonzero(0.9 * STIFFNESS * tipping > P)
+    assert light.size
+    np.testing.assert_allclose(P[light], FREQUENCY**2 * inertia[light])
+    assert (2 * DAMPING_RATIO * FREQUENCY * inertia * (1 + 1e-9) >= D).all()
+    # explicit integration of the longest control period stands it
+    assert (D[light] * 5e-3 / inertia[light]).max() < 1.0
+
+
+def test_standing_inertia_is_what_the_forward_dynamics_with_contacts_answers(
+    robot: Robot,
+) -> None:
+    model, data = robot.model, robot.model.createData()
+    q = robot.home.q
+    J = contact_jacobian(robot, data, q)
+    bias = pinocchio.nonLinearEffects(model, data, q, np.zeros(robot.nv))
+    expected = np.empty(robot.n)
+    for joint in range(robot.n):
+        tau = bias.copy()
+        tau[6 + joint] += 1.0
+        drift = np.zeros(len(J))
+        # Pinocchio's own solution of the constrained dynamics
+        a = pinocchio.forwardDynamics(model, data, q, np.zeros(robot.nv), tau, J, drift, 1e-12)
+        expected[joint] = 1 / a[6 + joint]
+    np.testing.assert_allclose(standing_inertia(robot), expected, rtol=1e-3)
 
 
 def test_decaying_torque_falls_by_its_time(robot: Robot) -> None:

@@ -15,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio
 
+from tsd_casadi.fallback.contact_jacobian import contact_jacobian
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Vector
 
@@ -27,10 +28,7 @@ class GravityTorque:
 
     def __init__(self, robot: Robot) -> None:
         """Prepare for one robot; one instance serves one thread."""
-        self._model, self._data = robot.model, robot.model.createData()
-        contacts = zip(robot.sole_frames, robot.description.contacts, strict=True)
-        # a point carries no moment
-        self._contacts = [(frame, 3 if part.type == "point" else 6) for frame, part in contacts]
+        self._robot, self._data = robot, robot.model.createData()
 
     def __call__(self, q: Vector) -> Vector:
         """Compute the torque.
@@ -41,17 +39,8 @@ class GravityTorque:
         Returns:
             (n,) [N m], without any limit.
         """
-        model, data = self._model, self._data
-        gravity = pinocchio.computeGeneralizedGravity(model, data, q)
-        pinocchio.computeJointJacobians(model, data, q)
-        J = np.concatenate(
-            [
-                pinocchio.getFrameJacobian(
-                    model, data, frame, pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
-                )[:rows]
-                for frame, rows in self._contacts
-            ]
-        )
+        gravity = pinocchio.computeGeneralizedGravity(self._robot.model, self._data, q)
+        J = contact_jacobian(self._robot, self._data, q)
         J_u = J[:, :6]
         forces = J_u @ np.linalg.solve(J_u.T @ J_u + DAMPING * np.eye(6), gravity[:6])
         return np.asarray(gravity[6:] - J[:, 6:].T @ forces)

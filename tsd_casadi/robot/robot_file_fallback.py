@@ -15,8 +15,8 @@ class HoldFile(Section):
     Attributes:
         kind: Always 'hold', and so where it is left out.
         P: Joint stiffness about that posture [N m/rad]; by default from the robot's
-            weight and height, see ``tsd_casadi.fallback.held_posture``.
-        D: Joint damping [N m s/rad]; by default from P and the height.
+            weight, height and inertias, see ``tsd_casadi.fallback.hold_gains``.
+        D: Joint damping [N m s/rad]; by default as P.
     """
 
     kind: Literal["hold"] = "hold"
