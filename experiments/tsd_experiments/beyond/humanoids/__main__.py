@@ -13,6 +13,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+from tsd_casadi.exceptions import TsdError
 from tsd_casadi.learning.rules.rule import RuleName
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.run_tables import print_goals
@@ -51,18 +52,27 @@ def main() -> None:
     arguments.out.mkdir(parents=True, exist_ok=True)
     jobs = _jobs(arguments.out, arguments.mjcf, arguments.only)
     results: dict[str, Any] = {}
+    failed: dict[str, str] = {}
     with (
         show_progress("humanoids", len(jobs)) as report,
         ProcessPoolExecutor(mp_context=get_context("spawn")) as pool,
     ):
         running = {pool.submit(learn_squat, *job[0]): name for name, job in jobs.items()}
         for done in as_completed(running):
-            results[running[done]] = done.result()
-            report(len(results), len(jobs))
-    results = {name: results[name] for name in jobs}
-    (arguments.out / "humanoids.json").write_text(json.dumps(results, indent=2))
+            try:
+                results[running[done]] = done.result()
+            except TsdError as error:
+                failed[running[done]] = str(error)
+            report(len(results) + len(failed), len(jobs))
+    results = {name: results[name] for name in jobs if name in results}
+    (arguments.out / "humanoids.json").write_text(json.dumps([results, failed], indent=2))
     _print(results)
-    goals = [goal for name, job in jobs.items() for goal in _goals(name, results[name], job[1])]
+    for name, reason in failed.items():
+        console.print(f"{name} failed: {reason}", markup=False, highlight=False)
+    goals = [
+        goal for name, result in results.items() for goal in _goals(name, result, jobs[name][1])
+    ]
+    goals.append(Goal("robots that fail", "<= 0", float(len(failed))))
     print_goals([goal.plain() for goal in goals])
 
 
