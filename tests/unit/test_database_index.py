@@ -21,9 +21,10 @@ from benchmarks.filled_database import ROBOT, fill, recording, squat
 from tsd_casadi.database import derived
 from tsd_casadi.database.database import Database
 from tsd_casadi.database.entry_index import place
+from tsd_casadi.database.iteration_rows import IterationOutline, IterationRow
 from tsd_casadi.database.kept_entries import KEPT_ENTRIES, KeptEntries
 from tsd_casadi.database.reading import Reading
-from tsd_casadi.database.rows import IterationOutline, IterationRow, Row
+from tsd_casadi.database.row import Row
 from tsd_casadi.exceptions import DatabaseError, EntryNotFound, InvalidValue
 from tsd_casadi.generalization import entry_regression
 from tsd_casadi.generalization.weight_regression import WeightRegression
