@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -11,7 +12,7 @@ import pinocchio
 
 from tsd_casadi.costs.null_space_posture import DAMPING
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics, QuadraticProgram
-from tsd_casadi.robot.robot_file_sections import FRAME_AXES
+from tsd_casadi.robot.robot_file_sections import FRAME_AXES, PointFile, SoleFile
 from tsd_casadi.state import Matrix, Vector
 
 EQUALITY = 5  # DAQP: active and immutable
@@ -43,7 +44,7 @@ class NumericController:
         self._data = self._model.createData()
         self._contacts = problem.robot.description.contacts
         self._frames = {
-            part.frame: problem.robot.frame_id(part.name)
+            part.name: problem.robot.frame_id(part.name)
             for part in (*self._contacts, *problem.robot.description.tasks)
             if hasattr(part, "frame")
         }
@@ -89,7 +90,7 @@ class NumericController:
         """
         problem, model, data = self._problem, self._model, self._data
         layout = problem.request.slices
-        nv, m = problem.nv, len(self._contacts)
+        nv, nx = problem.nv, problem.nx
 
         def read(name: str) -> Vector:
             return request[layout[name]]
@@ -106,16 +107,22 @@ class NumericController:
 
         # contacts
         J_all, J_active, rows, lower, upper = [], [], [], [], []
-        for index, contact in enumerate(self._contacts):
-            frame = self._frames[contact.frame]
-            J = pinocchio.getFrameJacobian(model, data, frame, pinocchio.LOCAL)
-            drift = pinocchio.getFrameClassicalAcceleration(
-                model, data, frame, pinocchio.LOCAL
-            ).vector
+        columns: dict[str, slice] = {}
+        first = nv
+        for contact in self._contacts:
+            frame = self._frames[contact.name]
+            is_sole = contact.type == "sole"
+            axes = pinocchio.LOCAL if is_sole else pinocchio.LOCAL_WORLD_ALIGNED
+            size = 6 if is_sole else 3
+            J = pinocchio.getFrameJacobian(model, data, frame, axes)[:size]
+            drift = pinocchio.getFrameClassicalAcceleration(model, data, frame, axes)
+            drift = drift.vector[:size]
             active = read(f"{contact.name}.active")[0]
-            row = np.zeros((6, nv + 6 * m))
+            columns[contact.name] = slice(first, first + size)
+            first += size
+            row = np.zeros((size, nx))
             row[:, :nv] = active * J
-            row[:, nv + 6 * index : nv + 6 * index + 6] = (1 - active) * np.eye(6)
+            row[:, columns[contact.name]] = (1 - active) * np.eye(size)
             rows.append(row)
             lower.append(-active * drift)
             upper.append(-active * drift)
@@ -126,10 +133,10 @@ class NumericController:
         rows.insert(0, dynamics[:6])
         lower.insert(0, -h[:6])
         upper.insert(0, -h[:6])
-        for index, contact in enumerate(self._contacts):
-            cone, low = self._cone(contact.name, read)
-            row = np.zeros((len(cone), nv + 6 * m))
-            row[:, nv + 6 * index : nv + 6 * index + 6] = cone
+        for contact in self._contacts:
+            cone, low = self._cone(contact, read)
+            row = np.zeros((len(cone), nx))
+            row[:, columns[contact.name]] = cone
             rows.append(row)
             lower.append(low)
             upper.append(np.full(len(low), INFINITY))
@@ -139,7 +146,7 @@ class NumericController:
         upper.append(limit - h[6:])
 
         # cost
-        H, g = np.zeros((nv + 6 * m, nv + 6 * m)), np.zeros(nv + 6 * m)
+        H, g = np.zeros((nx, nx)), np.zeros(nx)
         H[range(nv), range(nv)] = read("regularization.acceleration")[0]
         J_tasks = []
         for task in problem.robot.description.tasks:
@@ -151,7 +158,7 @@ class NumericController:
                 J, drift = J_com[select], data.acom[0][select]
                 error = (reference - data.com[0])[select]
             else:
-                frame = self._frames[task.frame]
+                frame = self._frames[task.name]
                 world = pinocchio.LOCAL_WORLD_ALIGNED
                 J = pinocchio.getFrameJacobian(model, data, frame, world)[select]
                 drift = pinocchio.getFrameClassicalAcceleration(model, data, frame, world)
@@ -179,7 +186,7 @@ class NumericController:
         g[:nv] -= posture @ np.concatenate((np.zeros(6), joints))
         W_lambda = np.concatenate([read(f"{c.name}.W_lambda") for c in self._contacts])
         lambda_des = np.concatenate([read(f"{c.name}.lambda_des") for c in self._contacts])
-        H[range(nv, nv + 6 * m), range(nv, nv + 6 * m)] = W_lambda
+        H[range(nv, nx), range(nv, nx)] = W_lambda
         g[nv:] = -W_lambda * lambda_des
 
         acceleration = np.concatenate((np.full(6, INFINITY), read("limits.acceleration")))
@@ -193,16 +200,25 @@ class NumericController:
         return program, h[6:]
 
     @staticmethod
-    def _cone(name: str, read: object) -> tuple[Matrix, Vector]:
-        assert callable(read)
-        x_low, x_high, y_low, y_high = read(f"{name}.extents")
+    def _cone(
+        contact: SoleFile | PointFile, read: Callable[[str], Vector]
+    ) -> tuple[Matrix, Vector]:
+        name = contact.name
         mu = read(f"{name}.friction")[0] / np.sqrt(2)
-        gamma = read(f"{name}.torsional_friction")[0]
-        cone = np.zeros((11, 6))
-        cone[:10, 2] = (-x_low, x_high, -y_low, y_high, mu, mu, mu, mu, gamma, gamma)
-        cone[0, 4], cone[1, 4], cone[2, 3], cone[3, 3] = -1, 1, 1, -1
-        cone[4, 0], cone[5, 0], cone[6, 1], cone[7, 1] = 1, -1, 1, -1
-        cone[8, 5], cone[9, 5], cone[10, 2] = 1, -1, 1
-        low = np.zeros(11)
-        low[10] = read(f"{name}.active")[0] * read(f"{name}.minimum_force")[0]
+        slide = np.zeros((4, 6))
+        slide[:, 2] = mu
+        slide[0, 0], slide[1, 0], slide[2, 1], slide[3, 1] = 1, -1, 1, -1
+        push = np.eye(1, 6, 2)
+        if contact.type == "sole":
+            x_low, x_high, y_low, y_high = read(f"{name}.extents")
+            gamma = read(f"{name}.torsional_friction")[0]
+            press, twist = np.zeros((4, 6)), np.zeros((2, 6))
+            press[:, 2] = (-x_low, x_high, -y_low, y_high)
+            press[0, 4], press[1, 4], press[2, 3], press[3, 3] = -1, 1, 1, -1
+            twist[:, 2], twist[0, 5], twist[1, 5] = gamma, 1, -1
+            cone = np.vstack((press, slide, twist, push))
+        else:
+            cone = np.vstack((slide, push))[:, :3]
+        low = np.zeros(len(cone))
+        low[-1] = read(f"{name}.active")[0] * read(f"{name}.minimum_force")[0]
         return cone, low

@@ -40,9 +40,10 @@ def nominal_requests(controller: Controller, robot: Any, count: int) -> list[Vec
     squat = Squat(0.03, 0.25)
     run = MujocoSimulator(robot, 0.1).run(controller, squat, axes=squat.axes(robot), laps=2)
     command = controller.command()
+    com = squat.axes(robot)[0].split(".")[0]
     requests = []
     for tick in np.linspace(2000, run.ticks - 1, count).astype(int):
-        command["com.reference"][2] = robot.home_com[2] + run.log["reference"][tick, 0]
+        command[f"{com}.reference"][2] = robot.home_com[2] + run.log["reference"][tick, 0]
         q = run.log["q"][tick].astype(float)
         q[3:7] /= np.linalg.norm(q[3:7])
         command.set_state(State(q, run.log["v"][tick].astype(float)))
@@ -53,6 +54,7 @@ def nominal_requests(controller: Controller, robot: Any, count: int) -> list[Vec
 def stressed_requests(controller: Controller, robot: Any, count: int) -> list[Vector]:
     """Draw requests with several active limits, unrelated to each other."""
     rng = np.random.default_rng(0)
+    com = Squat(0.03, 0.25).axes(robot)[0].split(".")[0]
     requests: list[Vector] = []
     while len(requests) < count:
         command = controller.command()
@@ -60,7 +62,7 @@ def stressed_requests(controller: Controller, robot: Any, count: int) -> list[Ve
         command["limits.acceleration"] = 60.0
         for contact in robot.description.contacts:
             command[f"{contact.name}.friction"] = 0.3
-        command["com.reference"] += rng.normal(0, 0.03, 3)
+        command[f"{com}.reference"] += rng.normal(0, 0.03, 3)
         q, v = robot.home.q.copy(), rng.normal(0, 0.2, robot.nv)
         q[7:] += rng.normal(0, 0.05, robot.n)
         tick = controller.tick(State(q, v), command)

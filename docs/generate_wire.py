@@ -167,6 +167,12 @@ tables are those of `{ROBOT}`; a client reads the same from `info` (`request` an
 offsets counted in float64 after the header) and so works for every robot. The layout hash
 changes when names, sizes or units of the fields do.
 
+The contacts of `{ROBOT}` are soles. A contact that is a point has neither `torsional_friction` nor
+`extents`; its `lambda_des` and `W_lambda` are three numbers, a force [N] in axes parallel to the
+world's with the normal along z, and its rows are three accelerations x y z in the same axes, four
+of friction and one of unilateral force. `wrenches` keeps six numbers for every contact: those of a
+point are in world axes and its moments are zero.
+
 ### Header, {HEADER.size} bytes
 
 {header_table()}

@@ -23,7 +23,14 @@ TESTS = Path(__file__).parent
 LAYERS = ("unit", "simulation", "services", "experiments", "acceptance")
 SHIPPED = "hermes_lower"
 MINI_BIPED = TESTS / "robots" / "mini_biped" / "mini_biped.yaml"
-ROBOTS = {**tsd_models.robot_files(), "mini_biped": MINI_BIPED}
+MINI_QUADRUPED = TESTS / "robots" / "mini_quadruped" / "mini_quadruped.yaml"
+PEG_LEG = TESTS / "robots" / "mini_biped" / "peg_leg.yaml"
+ROBOTS = {
+    **tsd_models.robot_files(),
+    "mini_biped": MINI_BIPED,
+    "mini_quadruped": MINI_QUADRUPED,
+    "peg_leg": PEG_LEG,
+}
 
 # the same examples at every run
 settings.register_profile(
@@ -59,6 +66,18 @@ def mini_biped() -> Robot:
     return load_robot(MINI_BIPED)
 
 
+@pytest.fixture(scope="session")
+def mini_quadruped() -> Robot:
+    """A robot on four balls, each of which touches the ground in a point."""
+    return load_robot(MINI_QUADRUPED)
+
+
+@pytest.fixture(scope="session")
+def peg_leg() -> Robot:
+    """A biped that stands on a point and a sole, in this order."""
+    return load_robot(PEG_LEG)
+
+
 @pytest.fixture(scope="session", params=ROBOTS)
 def any_robot(request: pytest.FixtureRequest) -> Robot:
     return load_robot(ROBOTS[request.param])
@@ -72,6 +91,11 @@ def problem(robot: Robot) -> InverseDynamics:
 @pytest.fixture(scope="session")
 def controller(robot: Robot) -> Controller:
     return compile_controller(robot, on_compile=lambda: None)
+
+
+@pytest.fixture(scope="session")
+def any_controller(any_robot: Robot) -> Controller:
+    return compile_controller(any_robot, on_compile=lambda: None)
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from tsd_cli.commands.experiments import demo, reproduce
 from tsd_cli.commands.learn import learn
 from tsd_cli.commands.motion import list_motions, show_motion
 from tsd_cli.commands.query import forget_entry, list_entries, query
-from tsd_cli.commands.robot import list_robots
+from tsd_cli.commands.robot import check_robot, list_robots, new_robot
 from tsd_cli.commands.services import controller, learner
 from tsd_cli.commands.simulate import simulate
 from tsd_cli.help_text import unwrap
@@ -45,8 +45,8 @@ and in a third:
 a robot can be asked to do. Amplitudes are metres (half of peak to peak), frequencies
 hertz.
 
-Exit codes: 0 done, 1 refused or failed, 2 wrong usage, 3 the robot fell, 130
-interrupted.
+Exit codes: 0 done, 1 refused or failed, 2 wrong usage, 3 the robot fell, 4 a run
+that began was ended by an error and what there is of it is kept, 130 interrupted.
 """
 
 COMMANDS = (controller, learner, simulate, learn, calibrate, query, demo, reproduce)
@@ -64,7 +64,10 @@ GROUPS = {
         },
     ),
     "motion": ("Look at the motions there are.", {"list": list_motions, "show": show_motion}),
-    "robot": ("Look at the robots there are.", {"list": list_robots}),
+    "robot": (
+        "Look at robots, and bring your own.",
+        {"list": list_robots, "new": new_robot, "check": check_robot},
+    ),
 }
 
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import copy
 import math
 
 import mujoco
@@ -12,8 +13,10 @@ from scipy.linalg import null_space
 
 from tsd_casadi import Robot, State
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
+from tsd_casadi.robot.foot import feet_jacobian
 from tsd_casadi.robot.robot_file_sections import HardwareFile
 from tsd_clients import MujocoSimulator
+from tsd_clients.simulator.base_estimator import make_base_estimator
 from tsd_clients.simulator.effects import (
     ACTUATOR_EFFECTS,
     EFFECTS,
@@ -26,6 +29,7 @@ from tsd_clients.simulator.hardware import (
     FlatFeetEstimator,
     add_to_model,
 )
+from tsd_clients.simulator.still_points import StillPointsEstimator
 
 DT = 1e-3
 NUMBERS = HardwareFile(
@@ -198,40 +202,36 @@ def test_without_a_filter_velocities_are_bare_differences() -> None:
 # base from flat feet
 
 
-def on_still_soles(robot: Robot, rng: np.random.Generator) -> State:
-    """A random posture and motion with the soles at rest where they are at home."""
+def on_still_feet(robot: Robot, rng: np.random.Generator) -> State:
+    """A random posture and motion with the feet at rest where they are at home."""
     model, data = robot.model, robot.model.createData()
-    soles = robot.sole_placements(robot.home.q)
+    places = robot.sole_placements(robot.home.q)
 
     def jacobian(q: np.ndarray) -> np.ndarray:
-        return np.vstack(
-            [
-                pinocchio.computeFrameJacobian(model, data, q, frame, pinocchio.LOCAL)
-                for frame in robot.sole_frames
-            ]
-        )
+        return feet_jacobian(robot.feet, model, data, q)
 
     free = null_space(jacobian(robot.home.q), rcond=1e-6)
     step = free @ rng.uniform(-0.15, 0.15, free.shape[1])
     q = pinocchio.integrate(model, robot.home.q, step)
     for _ in range(10):
-        error = np.concatenate(
-            [
-                pinocchio.log6(now.actInv(then)).vector
-                for now, then in zip(robot.sole_placements(q), soles, strict=True)
-            ]
-        )
-        q = pinocchio.integrate(model, q, np.linalg.lstsq(jacobian(q), error, rcond=None)[0])
+        J = jacobian(q)
+        feet = zip(robot.feet, places, strict=True)
+        error = np.concatenate([foot.error(data, place) for foot, place in feet])
+        q = pinocchio.integrate(model, q, np.linalg.lstsq(J, error, rcond=None)[0])
     assert np.abs(error).max() < 1e-12
     free = null_space(jacobian(q), rcond=1e-6)
     return State(q, free @ rng.uniform(-1.0, 1.0, free.shape[1]))
 
 
-def test_base_is_recovered_exactly_while_both_soles_are_still(any_robot: Robot) -> None:
-    estimator = FlatFeetEstimator(any_robot, any_robot.home)
+@pytest.mark.parametrize("name", ["robot", "mini_biped", "mini_quadruped"])
+def test_base_is_recovered_exactly_while_the_feet_are_still(
+    name: str, request: pytest.FixtureRequest
+) -> None:
+    any_robot: Robot = request.getfixturevalue(name)
+    estimator = make_base_estimator(any_robot, any_robot.home)
     rng = np.random.default_rng(5)
     for _ in range(20):
-        state = on_still_soles(any_robot, rng)
+        state = on_still_feet(any_robot, rng)
         estimate = estimator.estimate(state.q[7:], state.v[6:])
         np.testing.assert_allclose(
             pinocchio.difference(any_robot.model, state.q, estimate.q), 0, atol=1e-9
@@ -244,7 +244,7 @@ def test_base_is_recovered_exactly_while_both_soles_are_still(any_robot: Robot) 
 
 def test_feet_that_disagree_are_met_half_way(robot: Robot) -> None:
     rng = np.random.default_rng(6)
-    state = on_still_soles(robot, rng)
+    state = on_still_feet(robot, rng)
     angles = state.q[7:] + rng.normal(scale=0.01, size=robot.n)
     estimate = FlatFeetEstimator(robot, robot.home).estimate(angles, state.v[6:])
     bases = []
@@ -260,7 +260,7 @@ def test_feet_that_disagree_are_met_half_way(robot: Robot) -> None:
 
 def test_base_velocity_moves_the_soles_least(robot: Robot) -> None:
     rng = np.random.default_rng(7)
-    state = on_still_soles(robot, rng)
+    state = on_still_feet(robot, rng)
     velocities = rng.normal(size=robot.n)
     estimate = FlatFeetEstimator(robot, robot.home).estimate(state.q[7:], velocities)
     data = robot.model.createData()
@@ -273,6 +273,34 @@ def test_base_velocity_moves_the_soles_least(robot: Robot) -> None:
     expected = np.linalg.lstsq(J[:, :6], -J[:, 6:] @ velocities, rcond=None)[0]
     np.testing.assert_allclose(estimate.v[:6], expected, atol=1e-9)
     np.testing.assert_array_equal(estimate.v[6:], velocities)
+
+
+def test_points_that_disagree_are_fitted_by_least_squares(mini_quadruped: Robot) -> None:
+    rng = np.random.default_rng(8)
+    angles = mini_quadruped.home.q[7:] + rng.normal(scale=0.01, size=mini_quadruped.n)
+    velocities = rng.normal(size=mini_quadruped.n)
+    estimator = StillPointsEstimator(mini_quadruped, mini_quadruped.home)
+    estimate = estimator.estimate(angles, velocities)
+    places = mini_quadruped.sole_placements(mini_quadruped.home.q)
+    model, data = mini_quadruped.model, mini_quadruped.model.createData()
+    J = feet_jacobian(mini_quadruped.feet, model, data, estimate.q)
+    feet = zip(mini_quadruped.feet, places, strict=True)
+    error = np.concatenate([foot.error(data, place) for foot, place in feet])
+    assert np.abs(error).max() > 1e-3
+    # no way of moving the base makes it smaller, to first order
+    np.testing.assert_allclose(J[:, :6].T @ error, 0, atol=1e-9)
+    # and of the velocities either: the base's that leaves the points least
+    np.testing.assert_allclose(J[:, :6].T @ (J @ estimate.v), 0, atol=1e-9)
+
+
+def test_the_base_is_not_estimated_from_feet_of_two_kinds(peg_leg: Robot) -> None:
+    described = peg_leg.description.model_copy(update={"hardware": NUMBERS})
+    both = copy.copy(peg_leg)
+    both.description = described
+    assert "flat_feet" not in check_effects(both, ["friction", "noise"])
+    for effects in (["flat_feet"], ["all"]):
+        with pytest.raises(InvalidValue, match="peg_leg stands on both"):
+            check_effects(both, effects)
 
 
 def test_soles_are_where_the_robot_was_put_and_not_at_home(robot: Robot) -> None:

@@ -9,6 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from tsd_casadi.constraints.center_of_pressure import center_of_pressure
+from tsd_casadi.constraints.contact_acceleration import contact_acceleration
 from tsd_casadi.constraints.friction import friction
 from tsd_casadi.constraints.joint_acceleration import joint_acceleration
 from tsd_casadi.constraints.joint_torque import joint_torque
@@ -129,6 +130,47 @@ def test_unilateral_force_asks_for_the_least_force_while_in_contact(
     rows = unilateral_force("foot", ca.SX(least), ca.SX(active), NV, SELECTION)
     found = slacks(rows, np.array([1.0, 2.0, press, 3.0, 4.0, 5.0]))
     check_each(found, {"foot.unilateral_force": (active * least, press)})
+
+
+# a point: the last three of two soles and a point's forces
+POINT = ca.SX(ca.DM(np.hstack((np.zeros((3, 12)), np.eye(3)))))
+
+
+@given(force=st.tuples(forces, forces, presses).map(np.array), mu=st.floats(0.05, 2.0))
+def test_a_points_rows_are_those_of_a_soles_force(force: np.ndarray, mu: float) -> None:
+    wrench = np.concatenate((force, [7.0, -8.0, 9.0]))
+    x = np.concatenate((np.full(NV + 12, 3.0), force))
+    for at_point, at_sole in (
+        (friction("foot", ca.SX(mu), NV, POINT), friction("foot", ca.SX(mu), NV, SELECTION)),
+        (
+            unilateral_force("foot", ca.SX(4.0), ca.SX(1.0), NV, POINT),
+            unilateral_force("foot", ca.SX(4.0), ca.SX(1.0), NV, SELECTION),
+        ),
+    ):
+        A, lower, _ = numeric(at_point)
+        assert not A[:, : NV + 12].any()
+        found = dict(zip(at_point.names, A @ x - lower, strict=True))
+        assert found == pytest.approx(slacks(at_sole, wrench))
+
+
+@pytest.mark.parametrize("size", [3, 6])
+@pytest.mark.parametrize("active", [0.0, 1.0])
+def test_a_contact_holds_its_acceleration_or_its_forces(size: int, active: float) -> None:
+    rng = np.random.default_rng(0)
+    J, drift = rng.normal(size=(size, NV)), rng.normal(size=size)
+    selection = np.hstack((np.zeros((size, 6)), np.eye(size)))
+    rows = contact_acceleration(
+        "foot", ca.SX(ca.DM(J)), ca.SX(ca.DM(drift)), ca.SX(active), ca.SX(ca.DM(selection))
+    )
+    A, lower, upper = numeric(rows)
+    assert rows.names == tuple(
+        f"foot.acceleration.{a}" for a in ("x", "y", "z", "rx", "ry", "rz")[:size]
+    )
+    assert rows.equality
+    np.testing.assert_array_equal(lower, upper)
+    qdd, forces = rng.normal(size=NV), rng.normal(size=6 + size)
+    expected = J @ qdd + drift if active else forces[6:]
+    np.testing.assert_allclose(A @ np.concatenate((qdd, forces)) - lower, expected, atol=1e-12)
 
 
 CONES: dict[str, Callable[[], Rows]] = {

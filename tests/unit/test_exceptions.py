@@ -11,9 +11,11 @@ import pytest
 
 from tsd_casadi import exceptions
 from tsd_casadi.exceptions import TsdError
+from tsd_casadi.exceptions.discrepancy import Discrepancy
 from tsd_casadi.wire.error import ErrorMessage
 
 HERE = Path("/some/where/robot.yaml")
+KNEE = Discrepancy("joint knee", "armature", "0.1 kg m^2", "0 kg m^2", "delete it")
 # every class: its arguments, the attributes it carries, words its message needs
 CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
     "TsdError": (("what",), {}, ["what"]),
@@ -50,6 +52,11 @@ CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
         {"command": ["gcc", "-O2", "a.c"], "output": "first\nsecond\nlast"},
         ["gcc -O2 a.c", "last"],
     ),
+    "ControllerSilent": (
+        (30.0, "late"),
+        {"patience": 30.0, "why": "late"},
+        ["30 s (late)", "fallback", "--patience"],
+    ),
     "CacheNotPrivate": ((HERE,), {"path": HERE}, [str(HERE), "chmod 700", "TSD_CACHE_DIR"]),
     "CacheNotWritable": (
         (HERE, "No space left on device"),
@@ -62,9 +69,9 @@ CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
         [str(HERE), "file too short", "delete it", "TSD_CACHE_DIR"],
     ),
     "ParityError": (
-        ("hermes_lower", "mass matrix", 1e-3, 1e-9),
-        {"quantity": "mass matrix", "difference": 1e-3},
-        ["hermes_lower", "mass matrix", "0.001", "1e-09", "inertias"],
+        ("hermes_lower", HERE, [KNEE, KNEE]),
+        {"path": HERE, "discrepancies": [KNEE, KNEE]},
+        [str(HERE), "'hermes_lower' in 2 ways", "joint knee: armature is 0.1", "delete it"],
     ),
     "DatabaseError": (
         (HERE, "is locked", "wait"),

@@ -1,6 +1,6 @@
 r"""Which poses tell most about the height of the centre of mass.
 
-Random references within the soles and what the legs reach become postures by
+Random references within the feet and what the legs reach become postures by
 Newton steps; of these, one after another is taken that leaves the least
 
 .. math:: \mathrm{tr} (T \Sigma_k T^T), \qquad
@@ -30,7 +30,7 @@ from tsd_casadi.state import Matrix, State, Vector
 MOST_POSES = 500
 # candidates: at least so many, and so many for each pose asked for
 CANDIDATES, CANDIDATES_PER_POSE = 300, 3
-# part of the soles' extent, forward and sideways, that the centre of mass uses
+# part of the feet's extent, forward and sideways, that the centre of mass uses
 SOLE_SHARE = 0.45
 TILT = 0.35  # rad, about each axis of each orientation task
 HOMING, STEPS, TOLERANCE = 0.2, 40, 1e-6  # as in standing.stand
@@ -45,7 +45,7 @@ def design_poses(robot: Robot, count: int, *, seed: int = 0) -> list[State]:
     """Choose the postures to measure the centre of pressure in.
 
     Returns:
-        Postures at rest with the soles where they are at home, the most
+        Postures at rest with the feet where they are at home, the most
         telling first.
 
     Raises:
@@ -81,7 +81,7 @@ class _Candidates:
         self._robot = robot
         self._model, self._data = robot.model, robot.model.createData()
         self._rng = np.random.default_rng((seed, 4))
-        self._soles = robot.sole_placements(robot.home.q)
+        self._places = robot.sole_placements(robot.home.q)
         self._frames = [
             robot.frame_id(task.name)
             for task in robot.description.tasks
@@ -89,12 +89,10 @@ class _Candidates:
         ]
         pinocchio.framesForwardKinematics(self._model, self._data, robot.home.q)
         self._upright = [self._data.oMf[frame].rotation.copy() for frame in self._frames]
-        corners = np.array(
+        corners = np.vstack(
             [
-                sole.act(np.array([x, y, 0.0]))[:2]
-                for sole, contact in zip(self._soles, robot.description.contacts, strict=True)
-                for x in contact.x
-                for y in contact.y
+                foot.corners(place)[:, :2]
+                for foot, place in zip(robot.feet, self._places, strict=True)
             ]
         )
         lowest, highest = standing_heights(robot)
@@ -138,9 +136,9 @@ class _Candidates:
         pinocchio.computeJointJacobians(model, data, q)
         pinocchio.framesForwardKinematics(model, data, q)
         errors, jacobians = [com - data.com[0]], [J_com]
-        for frame, sole in zip(self._robot.sole_frames, self._soles, strict=True):
-            errors.append(pinocchio.log6(data.oMf[frame].actInv(sole)).vector)
-            jacobians.append(pinocchio.getFrameJacobian(model, data, frame, pinocchio.LOCAL))
+        for foot, place in zip(self._robot.feet, self._places, strict=True):
+            errors.append(foot.error(data, place))
+            jacobians.append(foot.jacobian(model, data))
         for frame, rotation in zip(self._frames, rotations, strict=True):
             errors.append(pinocchio.log3(data.oMf[frame].rotation.T @ rotation))
             J = pinocchio.getFrameJacobian(model, data, frame, pinocchio.LOCAL)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import casadi as ca
 
 from tsd_casadi.costs.null_space_posture import DAMPING
+from tsd_casadi.formulation.contact import WRENCH
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
 from tsd_casadi.tick.layout import QUATERNION_TOLERANCE
 
@@ -50,6 +51,7 @@ def _header(problem: InverseDynamics) -> str:
         "N_TAU": problem.n,
         "N_ERROR": len(problem.format.axes),
         "N_V": problem.nv,
+        "N_WRENCHES": WRENCH * len(problem.contacts),
         "N_J": problem.terms.size1_out("J"),
         "N_GENERAL": len(problem.format.row_names) - problem.nv,
         "N_EQUALITIES": problem.n_equalities,
@@ -65,9 +67,22 @@ def _header(problem: InverseDynamics) -> str:
         f"int {name}(const double** arg, double** res, casadi_int* iw, double* w, int mem);"
         for name in ("terms", "safe_torque")
     )
-    tables = {"switches": request.switches(), "quaternions": request.quaternions()}
+    tables = {
+        "switches": request.switches(),
+        "quaternions": request.quaternions(),
+        "force_places": _force_places(problem),
+    }
     lines = ("#pragma once", "typedef long long int casadi_int;")
     return "\n".join((*lines, _defines(sizes), functions, _tables(tables)))
+
+
+def _force_places(problem: InverseDynamics) -> list[int]:
+    """List where in the reply's wrenches each of lambda goes; a point has no moments."""
+    return [
+        WRENCH * index + component
+        for index, contact in enumerate(problem.contacts)
+        for component in range(contact.size)
+    ]
 
 
 def _work_sizes(problem: InverseDynamics) -> dict[str, int]:

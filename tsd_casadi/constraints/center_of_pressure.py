@@ -18,7 +18,7 @@ def center_of_pressure(contact: str, extents: ca.SX, nv: int, selection: ca.SX) 
 
     Args:
         extents: (x_low, x_high, y_low, y_high) of the sole [m], sole frame.
-        selection: (6, 6 m), picks this contact's wrench out of lambda.
+        selection: (6, l), picks this contact's wrench out of lambda.
 
     Returns:
         Rows x_low f_z <= -m_y <= x_high f_z and y_low f_z <= m_x <= y_high f_z.

@@ -1,4 +1,4 @@
-"""Rows a^T w >= 0 on one contact's wrench w = (f, m) in the sole frame."""
+"""Rows a^T w >= 0 on one contact's wrench w = (f, m), or force w = f, in its own axes."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ FX, FY, FZ, MX, MY, MZ = range(6)
 
 
 def cone_rows(prefix: str, faces: Faces, nv: int, selection: ca.SX) -> Rows:
-    """Keep a contact's wrench inside a polyhedral cone, by one row per face.
+    """Keep a contact's forces inside a polyhedral cone, by one row per face.
 
     Args:
         faces: Coefficients of each face by wrench component, by face name.
-        selection: (6, 6 m), picks this contact's wrench out of lambda.
+        selection: (6, l) or (3, l), picks this contact's forces out of lambda.
 
     Returns:
         One row a^T w >= 0 per face.
     """
-    a = ca.SX.zeros(len(faces), 6)
+    a = ca.SX.zeros(len(faces), selection.size1())
     for row, face in enumerate(faces.values()):
         for component, coefficient in face.items():
             a[row, component] = coefficient

@@ -1,5 +1,7 @@
 r"""The foot does not slide: a pyramid inside Coulomb's cone.
 
+The normal is z of the contact's axes: the sole frame's, or the world's for a point.
+
 .. math:: |f_x|, |f_y| \le \frac{\mu}{\sqrt 2} f_z
     \quad\Rightarrow\quad \sqrt{f_x^2 + f_y^2} \le \mu f_z
 """
@@ -19,7 +21,7 @@ def friction(contact: str, mu: ca.SX, nv: int, selection: ca.SX) -> Rows:
 
     Args:
         mu: Coulomb coefficient.
-        selection: (6, 6 m), picks this contact's wrench out of lambda.
+        selection: (6, l) or (3, l), picks this contact's forces out of lambda.
 
     Returns:
         Rows of the inscribed pyramid.

@@ -17,7 +17,7 @@ def joint_acceleration(joints: Sequence[str], limit: ca.SX, nx: int) -> Rows:
 
     Args:
         limit: qdd_max, (n,) [rad/s^2].
-        nx: Size of x, nv + 6 m.
+        nx: Size of x, nv + l.
 
     Returns:
         Rows whose A is the identity's first nv rows, as solvers take simple

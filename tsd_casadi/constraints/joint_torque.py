@@ -16,7 +16,7 @@ def joint_torque(joints: Sequence[str], A_tau: ca.SX, h_a: ca.SX, limit: ca.SX) 
     """Bound the torque of each joint, by one two-sided row.
 
     Args:
-        A_tau: (n, nv + 6 m) of tau = A_tau x + h_a.
+        A_tau: (n, nv + l) of tau = A_tau x + h_a.
         h_a: (n,) [N m].
         limit: tau_max, (n,) [N m].
 

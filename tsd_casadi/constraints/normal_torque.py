@@ -16,7 +16,7 @@ def normal_torque(contact: str, gamma: ca.SX, nv: int, selection: ca.SX) -> Rows
 
     Args:
         gamma: Torsional friction [m].
-        selection: (6, 6 m), picks this contact's wrench out of lambda.
+        selection: (6, l), picks this contact's wrench out of lambda.
 
     Returns:
         Rows of the resultant normal torque's bound.

@@ -19,7 +19,7 @@ class Rows:
 
     Attributes:
         names: One name per row, for instance 'left_foot.friction.+x'.
-        A: (rows, nv + 6 m).
+        A: (rows, nv + l) with l forces in lambda: 6 for each sole, 3 for each point.
         lower: (rows,).
         upper: (rows,).
         equality: Whether lower equals upper in every row.

@@ -19,7 +19,7 @@ def unilateral_force(
     Args:
         minimum_force: Least normal force while in contact [N].
         active: 1 in contact, 0 not.
-        selection: (6, 6 m), picks this contact's wrench out of lambda.
+        selection: (6, l) or (3, l), picks this contact's forces out of lambda.
 
     Returns:
         Row f_z >= active f_min.

@@ -12,10 +12,10 @@ def force_cost(W_lambda: ca.SX, lambda_des: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Write half the term in lambda as a Hessian and a gradient.
 
     Args:
-        W_lambda: Diagonal of the weight, (6 m,) [1/N^2, 1/(N m)^2].
-        lambda_des: (6 m,) [N, N m], sole frames.
+        W_lambda: Diagonal of the weight, (l,) [1/N^2, 1/(N m)^2].
+        lambda_des: (l,) [N, N m], each contact's axes.
 
     Returns:
-        Diagonal of H (6 m,) and g (6 m,).
+        Diagonal of H (l,) and g (l,).
     """
     return W_lambda, -W_lambda * lambda_des

@@ -14,9 +14,9 @@ def actuated_dynamics(M: ca.SX, h: ca.SX, J_c: ca.SX) -> tuple[ca.SX, ca.SX]:
     Args:
         M: (nv, nv).
         h: (nv,) [N, N m].
-        J_c: Contact Jacobian, (6 m, nv).
+        J_c: Contact Jacobian, (l, nv).
 
     Returns:
-        A_tau (n, nv + 6 m) and h_a (n,) [N m] with tau = A_tau x + h_a.
+        A_tau (n, nv + l) and h_a (n,) [N m] with tau = A_tau x + h_a.
     """
     return ca.horzcat(M[6:, :], -J_c[:, 6:].T), h[6:]

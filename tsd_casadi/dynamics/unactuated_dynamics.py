@@ -16,7 +16,7 @@ def unactuated_dynamics(M: ca.SX, h: ca.SX, J_c: ca.SX) -> Rows:
     Args:
         M: (nv, nv).
         h: (nv,) [N, N m].
-        J_c: Contact Jacobian, (6 m, nv).
+        J_c: Contact Jacobian, (l, nv).
 
     Returns:
         Rows [M_u, -J_cu^T] x = -h_u, in the base frame.

@@ -29,6 +29,7 @@ what was expected and what to do about it::
         ├── ServiceUnreachable
         ├── ServiceFailed
         ├── ServiceNotReady
+        ├── ControllerSilent
         ├── EndpointTaken
         └── TwoServices
 
@@ -56,6 +57,7 @@ from tsd_casadi.exceptions.learning import (
 )
 from tsd_casadi.exceptions.robot import ParityError, RobotError, RobotFileError, UnknownRobot
 from tsd_casadi.exceptions.services import (
+    ControllerSilent,
     EndpointTaken,
     ServiceError,
     ServiceFailed,
@@ -78,6 +80,7 @@ __all__ = [
     "CompilationFailed",
     "CompilerNotFound",
     "ControllerError",
+    "ControllerSilent",
     "DatabaseError",
     "EndpointTaken",
     "EntryNotFound",

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from tsd_casadi.exceptions.base import TsdError
 from tsd_casadi.exceptions.did_you_mean import did_you_mean
+from tsd_casadi.exceptions.discrepancy import Discrepancy
 
 
 class RobotError(TsdError):
@@ -59,23 +60,22 @@ class UnknownRobot(RobotError):
 
 
 class ParityError(RobotError):
-    """Two descriptions of one robot disagree.
+    """A robot's description and its scene disagree.
 
     Attributes:
-        quantity: What was compared.
-        difference: Largest absolute difference.
+        path: The scene.
+        discrepancies: Everything that differs.
     """
 
     code = "parity"
-    quantity: str | None = None
-    difference: float | None = None
+    path: Path | None = None
+    discrepancies: list[Discrepancy] | None = None
 
-    def __init__(self, robot: str, quantity: str, difference: float, allowed: float) -> None:
-        """Create the error for one quantity."""
-        self.quantity = quantity
-        self.difference = difference
-        super().__init__(
-            f"robot '{robot}': {quantity} from the URDF and from the MuJoCo scene differ "
-            f"by {difference:.3g}, expected at most {allowed:.0e}; compare masses, "
-            "inertias, joint axes and placements in the two files"
-        )
+    def __init__(self, robot: str, path: Path, discrepancies: Sequence[Discrepancy]) -> None:
+        """Create the error for one scene."""
+        self.path = path
+        self.discrepancies = list(discrepancies)
+        count = len(self.discrepancies)
+        ways = "one way" if count == 1 else f"{count} ways"
+        lines = "".join(f"\n  {discrepancy}" for discrepancy in self.discrepancies)
+        super().__init__(f"{path}: this scene is not the robot '{robot}' in {ways}:{lines}")

@@ -23,14 +23,10 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from tsd_casadi.constraints.center_of_pressure import center_of_pressure
 from tsd_casadi.constraints.contact_acceleration import contact_acceleration
-from tsd_casadi.constraints.friction import friction
 from tsd_casadi.constraints.joint_acceleration import joint_acceleration
 from tsd_casadi.constraints.joint_torque import joint_torque
-from tsd_casadi.constraints.normal_torque import normal_torque
 from tsd_casadi.constraints.rows import Rows, stack_rows
-from tsd_casadi.constraints.unilateral_force import unilateral_force
 from tsd_casadi.costs.force_regularization import force_cost
 from tsd_casadi.costs.null_space_posture import (
     null_space_projector,
@@ -40,6 +36,8 @@ from tsd_casadi.costs.null_space_posture import (
 from tsd_casadi.dynamics.actuated_dynamics import actuated_dynamics
 from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
 from tsd_casadi.dynamics.unactuated_dynamics import unactuated_dynamics
+from tsd_casadi.formulation.contact import Contact
+from tsd_casadi.formulation.make_contacts import make_contacts
 from tsd_casadi.formulation.safe_torque import safe_torque
 from tsd_casadi.formulation.tick_layouts import request_layout, tick_format
 from tsd_casadi.robot.robot import Robot
@@ -98,9 +96,10 @@ class InverseDynamics:
     Attributes:
         robot: The robot.
         tasks: The Cartesian tasks, in the order of error and feedback.
+        contacts: The contacts, in the order of lambda and the wrenches.
         n: Number of actuated joints.
         nv: Size of v and of qdd.
-        nx: Number of variables, nv + 6 m.
+        nx: Number of variables, nv and the forces of all contacts.
         request: Layout of the request: q, v and the command's fields.
         format: What a tick's request and reply mean; its rows are nv simple
             bounds, equalities, cones, joint torques.
@@ -118,14 +117,15 @@ class InverseDynamics:
         self.robot = robot
         self.n = robot.n
         self.nv = robot.nv
-        self.nx = robot.nv + 6 * len(robot.description.contacts)
+        self.contacts: list[Contact] = make_contacts(robot)
+        self.nx = robot.nv + sum(contact.size for contact in self.contacts)
         self.tasks: list[Task] = make_tasks(robot)
-        self.request: Layout = request_layout(robot, self.tasks)
+        self.request: Layout = request_layout(robot, self.tasks, self.contacts)
         self._request = ca.SX.sym("request", self.request.size)
         self._dynamics = SymbolicDynamics(robot, self._read("q"), self._read("v"))
         self.terms, self.safe_torque = self._build()
         self.qp = self._add_posture()
-        self.format = tick_format(robot, self.tasks, self.request, self.row_names)
+        self.format = tick_format(robot, self.tasks, self.contacts, self.request, self.row_names)
 
     def __repr__(self) -> str:
         """Name the robot and the size of its problem."""
@@ -204,34 +204,30 @@ class InverseDynamics:
         return terms, self._function("safe_torque", {"tau": safe})
 
     def _contact_terms(self) -> _ContactTerms:
-        files = self.robot.description.contacts
         J_all, J_active, equalities, inequalities = [], [], [], []
-        for index, contact in enumerate(files):
-            name = contact.name
-            selection = ca.SX(6, 6 * len(files))
-            selection[:, 6 * index : 6 * index + 6] = ca.SX.eye(6)
-            active = self._read(f"{name}.active")
-            sole = self._dynamics.frame(self.robot.frame_name(name), local=True)
-            J_all.append(sole.J)
-            J_active.append(active * sole.J)
-            equalities.append(contact_acceleration(name, sole.J, sole.drift, active, selection))
-            nv = self.nv
-            mu, gamma = self._read(f"{name}.friction"), self._read(f"{name}.torsional_friction")
-            minimum = self._read(f"{name}.minimum_force")
-            extents = self._read(f"{name}.extents")
-            inequalities += [
-                center_of_pressure(name, extents, nv, selection),
-                friction(name, mu, nv, selection),
-                normal_torque(name, gamma, nv, selection),
-                unilateral_force(name, minimum, active, nv, selection),
-            ]
+        forces = ca.SX.eye(self.nx - self.nv)
+        first = 0
+        for contact in self.contacts:
+
+            def read(name: str, prefix: str = contact.name) -> ca.SX:
+                return self._read(f"{prefix}.{name}")
+
+            selection = forces[first : first + contact.size, :]
+            first += contact.size
+            active = read("active")
+            J, drift = contact.kinematics(self._dynamics)
+            J_all.append(J)
+            J_active.append(active * J)
+            equalities.append(contact_acceleration(contact.name, J, drift, active, selection))
+            inequalities += contact.cone(read, self.nv, selection)
+        names = [contact.name for contact in self.contacts]
         return _ContactTerms(
             J=ca.vertcat(*J_all),
             J_active=ca.vertcat(*J_active),
             equalities=equalities,
             inequalities=inequalities,
-            W_lambda=ca.vertcat(*[self._read(f"{contact.name}.W_lambda") for contact in files]),
-            lambda_des=ca.vertcat(*[self._read(f"{contact.name}.lambda_des") for contact in files]),
+            W_lambda=ca.vertcat(*[self._read(f"{name}.W_lambda") for name in names]),
+            lambda_des=ca.vertcat(*[self._read(f"{name}.lambda_des") for name in names]),
         )
 
     def _task_costs(self) -> _TaskCosts:

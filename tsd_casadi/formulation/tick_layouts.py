@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tsd_casadi.formulation.contact_fields import contact_fields
+from tsd_casadi.formulation.contact import WRENCH, Contact
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.tasks.task import Task
 from tsd_casadi.tick.format import TickFormat
@@ -12,21 +12,25 @@ from tsd_casadi.tick.layout import Field, Layout
 
 
 def tick_format(
-    robot: Robot, tasks: Sequence[Task], request: Layout, row_names: tuple[str, ...]
+    robot: Robot,
+    tasks: Sequence[Task],
+    contacts: Sequence[Contact],
+    request: Layout,
+    row_names: tuple[str, ...],
 ) -> TickFormat:
     """Put together what is known of a problem's request and reply."""
     return TickFormat(
         robot=robot.name,
         joints=tuple(robot.joint_names),
-        contacts=tuple(contact.name for contact in robot.description.contacts),
+        contacts=tuple(contact.name for contact in contacts),
         axes=tuple((task.name, axis) for task in tasks for axis in task.axes),
         row_names=row_names,
         request=request,
-        reply=reply_layout(robot, tasks, row_names),
+        reply=reply_layout(robot, tasks, contacts, row_names),
     )
 
 
-def request_layout(robot: Robot, tasks: Sequence[Task]) -> Layout:
+def request_layout(robot: Robot, tasks: Sequence[Task], contacts: Sequence[Contact]) -> Layout:
     """Lay out state and command.
 
     Everything a user may change between two ticks is in here, so that the
@@ -53,10 +57,8 @@ def request_layout(robot: Robot, tasks: Sequence[Task]) -> Layout:
         ),
     )
     task_fields = [field for task in tasks for field in task.fields(robot)]
-    contacts = [
-        field for contact in robot.description.contacts for field in contact_fields(contact, robot)
-    ]
-    return Layout((*state, *task_fields, *contacts, *_joint_fields(robot)))
+    contact_fields = [field for contact in contacts for field in contact.fields(robot)]
+    return Layout((*state, *task_fields, *contact_fields, *_joint_fields(robot)))
 
 
 def _joint_fields(robot: Robot) -> tuple[Field, ...]:
@@ -109,11 +111,14 @@ def _joint_fields(robot: Robot) -> tuple[Field, ...]:
     )
 
 
-def reply_layout(robot: Robot, tasks: Sequence[Task], row_names: Sequence[str]) -> Layout:
+def reply_layout(
+    robot: Robot, tasks: Sequence[Task], contacts: Sequence[Contact], row_names: Sequence[str]
+) -> Layout:
     """Lay out what a tick answers.
 
     Args:
         tasks: The Cartesian tasks, in the order of error and feedback.
+        contacts: The contacts, in the order of the wrenches.
 
     Returns:
         Status and times, torque, acceleration, wrenches, task errors and
@@ -121,7 +126,6 @@ def reply_layout(robot: Robot, tasks: Sequence[Task], row_names: Sequence[str]) 
     """
     k = sum(task.k for task in tasks)
     axes = " ".join(f"{task.name}.{axis}" for task in tasks for axis in task.axes)
-    contacts = " ".join(contact.name for contact in robot.description.contacts)
     return Layout(
         (
             Field("status", 1, "1", "0 ok, else the kind of failure"),
@@ -133,9 +137,9 @@ def reply_layout(robot: Robot, tasks: Sequence[Task], row_names: Sequence[str]) 
             Field("qdd", robot.nv, "m/s^2, rad/s^2", "accelerations, as v; zero on failure"),
             Field(
                 "wrenches",
-                6 * len(robot.description.contacts),
+                WRENCH * len(contacts),
                 "N, N m",
-                f"[force; moment] in the sole frames of {contacts}; zero on failure",
+                f"[force; moment] in {_wrench_axes(contacts)}; zero on failure",
             ),
             Field("error", k, "m, rad", f"x_ref - x along {axes}, world axes"),
             Field("feedback", k, "m/s^2, rad/s^2", f"P e + D de/dt along {axes}, world axes"),
@@ -147,3 +151,11 @@ def reply_layout(robot: Robot, tasks: Sequence[Task], row_names: Sequence[str]) 
             ),
         )
     )
+
+
+def _wrench_axes(contacts: Sequence[Contact]) -> str:
+    """Say which contacts' wrenches are in which axes."""
+    names: dict[str, list[str]] = {}
+    for contact in contacts:
+        names.setdefault(contact.reply_axes, []).append(contact.name)
+    return ", in ".join(f"{axes} {' '.join(listed)}" for axes, listed in names.items())

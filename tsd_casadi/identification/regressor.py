@@ -1,4 +1,4 @@
-r"""Equations that are linear in the inertial parameters, free of contact wrenches.
+r"""Equations that are linear in the inertial parameters, free of contact forces.
 
 The dynamics are linear in the parameters :math:`\pi` of all links,
 :math:`M \ddot q + h = Y(q, v, a) \pi`. Contact wrenches need not be measured:
@@ -17,6 +17,7 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.identification.observations import Observations, smooth_sign
+from tsd_casadi.robot.foot import feet_jacobian
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
 
@@ -39,17 +40,10 @@ def free_motions(robot: Robot, q: Vector) -> Matrix:
         q: Configuration, (nq,).
 
     Returns:
-        (nv, nv - 6 contacts); the joints' rows have orthonormal columns.
+        (nv, nv - l) with six rows l of each sole, three of each point; the joints'
+        rows have orthonormal columns.
     """
-    model, data = robot.model, robot.model.createData()
-    J = np.vstack(
-        [
-            pinocchio.computeFrameJacobian(
-                model, data, q, robot.frame_id(contact.name), pinocchio.LOCAL
-            )
-            for contact in robot.description.contacts
-        ]
-    )
+    J = feet_jacobian(robot.feet, robot.model, robot.model.createData(), q)
     _, _, V = np.linalg.svd(J)
     Z = V[J.shape[0] :].T
     _, R = np.linalg.qr(Z[6:])

@@ -9,12 +9,13 @@ import pinocchio
 
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.exceptions.did_you_mean import nearest
+from tsd_casadi.robot.foot import feet_jacobian
 from tsd_casadi.robot.inertias import override_lines, what_is_wrong
 
 if TYPE_CHECKING:
     from tsd_casadi.robot.robot import Robot
 
-# how far home may leave the soles from lying flat on one plane [m, -]
+# how far home may leave the feet from lying flat on one plane [m, -]
 FLATNESS = 1e-3
 # singular value of the contact Jacobian below which a direction counts as lost
 RANK_TOLERANCE = 1e-4
@@ -27,15 +28,17 @@ def check_robot(robot: Robot) -> None:
 
     Raises:
         RobotFileError: If a name is unknown, a limit is missing or exceeded, a
-            posture does not stand flat, or the feet depend on each other.
+            posture does not stand flat, the feet depend on each other or span no
+            area to stand on.
     """
     _check_joints(robot)
     _check_torque_limits(robot)
     _check_inertias(robot)
     _check_angles(robot)
     _check_weight(robot)
-    _check_flat_soles(robot)
+    _check_feet_on_ground(robot)
     _check_mobility(robot)
+    _check_support(robot)
 
 
 def _postures(robot: Robot) -> list[tuple[str, str, dict[str, float]]]:
@@ -128,35 +131,46 @@ def _check_weight(robot: Robot) -> None:
         )
 
 
-def _check_flat_soles(robot: Robot) -> None:
+def _check_feet_on_ground(robot: Robot) -> None:
     for name, field, _ in _postures(robot):
         placements = robot.sole_placements(robot.posture(name).q)
-        for contact, placement in zip(robot.description.contacts, placements, strict=True):
-            height = abs(placement.translation[2])
-            tilt = float(np.linalg.norm(placement.rotation[:, 2] - [0, 0, 1]))
+        for foot, placement in zip(robot.feet, placements, strict=True):
+            height, tilt = abs(placement.translation[2]), foot.tilt(placement)
             if height > FLATNESS or tilt > FLATNESS:
                 raise RobotFileError(
                     robot.path,
                     field,
-                    f"leaves {contact.name} {1e3 * height:.1f} mm off the ground plane and "
+                    f"leaves {foot.name} {1e3 * height:.1f} mm off the ground plane and "
                     f"tilted by {tilt:.4f} rad",
-                    "joint angles with all soles flat on one plane",
+                    "joint angles with all soles flat and all points on one plane",
                 )
 
 
 def _check_mobility(robot: Robot) -> None:
     """Refuse feet that are not free to accelerate independently of each other."""
     model, q = robot.model, robot.home.q
-    data = model.createData()
-    rows = [
-        pinocchio.computeFrameJacobian(model, data, q, frame, pinocchio.LOCAL)
-        for frame in robot.sole_frames
-    ]
-    rank = int(np.linalg.matrix_rank(np.vstack(rows), tol=RANK_TOLERANCE))
-    if rank < 6 * len(rows):
+    J = feet_jacobian(robot.feet, model, model.createData(), q)
+    rank = int(np.linalg.matrix_rank(J, tol=RANK_TOLERANCE))
+    if rank < len(J):
         raise RobotFileError(
             robot.path,
             "contacts",
-            f"at home the feet can move in {rank} ways only, six each would be {6 * len(rows)}",
-            "legs with at least six joints each and a home posture without straight knees",
+            f"at home the feet can move in {rank} ways only, six for each sole and three for "
+            f"each point would be {len(J)}",
+            "legs with at least six joints to a sole, three to a point, and a home posture "
+            "without straight knees",
+        )
+
+
+def _check_support(robot: Robot) -> None:
+    """Refuse feet that lie on a line: nothing could balance on them."""
+    places = zip(robot.feet, robot.sole_placements(robot.home.q), strict=True)
+    corners = np.vstack([foot.corners(place)[:, :2] for foot, place in places])
+    widths = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
+    if len(corners) < 3 or widths[-1] < FLATNESS:
+        raise RobotFileError(
+            robot.path,
+            "contacts",
+            "the feet touch the ground along a line, which nothing can balance on",
+            "a sole, or at least three points that are not in line",
         )

@@ -121,7 +121,7 @@ def _is_xacro(path: Path, root: ElementTree.Element) -> bool:
 
 def _expand(path: Path) -> ElementTree.Element:
     try:
-        import xacro  # type: ignore[import-not-found, unused-ignore]
+        import xacro
     except ImportError as error:
         raise RobotFileError(
             path,

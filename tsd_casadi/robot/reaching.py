@@ -1,12 +1,12 @@
 r"""The posture in which tasks are off their place at home by given offsets.
 
-Newton steps from home, as in ``standing``, on the error of soles and tasks
+Newton steps from home, as in ``standing``, on the error of feet and tasks
 
 .. math:: e(q) = \begin{pmatrix} \log(T_{sole}(q)^{-1} T_{sole}) \\
-    x_{home} + \Delta x - x(q) \end{pmatrix}
+    p_{point} - p_{point}(q) \\ x_{home} + \Delta x - x(q) \end{pmatrix}
 
 for every axis that some task of the robot controls, with :math:`\Delta x` zero
-where nothing is said.
+where nothing is said; tasks that only some motions have count where they are moved.
 """
 
 from __future__ import annotations
@@ -27,20 +27,26 @@ def reach(robot: Robot, middle: State, offsets: Mapping[str, float]) -> State | 
     """Find the posture with some axes off those of another posture.
 
     Args:
-        middle: The other posture, soles flat.
+        middle: The other posture, feet on the ground.
         offsets: By 'task.axis' [m, rad], world axes.
 
     Returns:
-        A posture at rest that keeps the soles where they are, or None if there
+        A posture at rest that keeps the feet where they are, or None if there
         is none inside the joints' limits.
     """
     model, data, home = robot.model, robot.model.createData(), middle.q
-    soles = robot.sole_placements(home)
-    places = [_place(robot, data, task, home) for task in robot.description.tasks]
+    feet = robot.sole_placements(home)
+    moved = {axis.split(".")[0] for axis in offsets}
+    tasks = [
+        task
+        for task in robot.description.tasks
+        if isinstance(task, ComTaskFile) or task.active or task.name in moved
+    ]
+    places = [_place(robot, data, task, home) for task in tasks]
     q = home.copy()
     for alpha in [HOMING] * STEPS + [0.0] * LAST_STEPS:
-        errors, jacobians = _soles(robot, data, q, soles)
-        for task, place in zip(robot.description.tasks, places, strict=True):
+        errors, jacobians = _feet(robot, data, q, feet)
+        for task, place in zip(tasks, places, strict=True):
             error, J = _task(robot, data, q, task, place, offsets)
             errors.append(error)
             jacobians.append(J)
@@ -64,16 +70,16 @@ def _place(robot: Robot, data: Any, task: Any, q: Vector) -> Any:
     return data.oMf[robot.frame_id(task.name)].copy()
 
 
-def _soles(
-    robot: Robot, data: Any, q: Vector, soles: list[Any]
+def _feet(
+    robot: Robot, data: Any, q: Vector, places: list[Any]
 ) -> tuple[list[Vector], list[Matrix]]:
     model = robot.model
     pinocchio.computeJointJacobians(model, data, q)
     pinocchio.framesForwardKinematics(model, data, q)
     errors, jacobians = [], []
-    for frame, sole in zip(robot.sole_frames, soles, strict=True):
-        errors.append(np.array(pinocchio.log6(data.oMf[frame].actInv(sole)).vector))
-        jacobians.append(np.array(pinocchio.getFrameJacobian(model, data, frame, pinocchio.LOCAL)))
+    for foot, place in zip(robot.feet, places, strict=True):
+        errors.append(foot.error(data, place))
+        jacobians.append(foot.jacobian(model, data))
     return errors, jacobians
 
 

@@ -31,6 +31,7 @@ class RigidBodyModel:
         full: The same with the locked joints, for what has to be reduced alike.
         locked: Indices of the locked joints in ``full``.
         locked_at: Configuration of ``full`` with the locked joints' angles.
+        description: Links and joints, with what the robot file overrides.
         frame_names: Name of the frame of each contact and frame task in ``model``.
     """
 
@@ -46,7 +47,7 @@ class RigidBodyModel:
             RobotFileError: If the description cannot be used, or lacks what the
                 robot file names.
         """
-        self._path, self._description = path, description
+        self._path, self.description = path, description
         moving = [n for n, j in description.joints().items() if j.get("type") != "fixed"]
         values: dict[str, dict[str, Any]] = {
             field: values_by_joint(path, field, getattr(file, field), moving) for field in BY_JOINT
@@ -139,7 +140,7 @@ class RigidBodyModel:
     def _check_joints(self) -> None:
         model, file = self.model, self._path.name
         for name, joint in zip(list(model.names)[2:], list(model.joints)[2:], strict=True):
-            leader = self._description.leader_of(name)
+            leader = self.description.leader_of(name)
             if leader is not None:
                 raise self._error(
                     f"joint {name} mimics {leader}",
@@ -170,7 +171,7 @@ class RigidBodyModel:
             raise RobotFileError(
                 self._path,
                 f"{field}.frame",
-                f"'{name}' is no link or frame of {self._description.path.name}",
+                f"'{name}' is no link or frame of {self.description.path.name}",
                 nearest(name, names),
             )
         offset = None if isinstance(part, FrameTaskFile) else part.offset
@@ -196,4 +197,4 @@ class RigidBodyModel:
         return own
 
     def _error(self, found: str, expected: str) -> RobotFileError:
-        return RobotFileError(self._description.path, "", found, expected)
+        return RobotFileError(self.description.path, "", found, expected)

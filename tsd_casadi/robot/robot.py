@@ -17,10 +17,11 @@ from tsd_casadi.exceptions import InvalidValue, UnknownRobot
 from tsd_casadi.robot.checks import check_robot
 from tsd_casadi.robot.description import Kind, read_description
 from tsd_casadi.robot.description_path import resolve_path
+from tsd_casadi.robot.foot import Foot, make_foot
 from tsd_casadi.robot.joint_patterns import values_by_joint
 from tsd_casadi.robot.rigid_body_model import RigidBodyModel
 from tsd_casadi.robot.robot_file import RobotFile, read_robot_file
-from tsd_casadi.robot.robot_file_sections import Contact
+from tsd_casadi.robot.robot_file_sections import ComTaskFile, Contact, FrameTaskFile
 from tsd_casadi.state import State, Vector
 
 # changed whenever the terms of the cost or the equalities change their meaning
@@ -125,7 +126,7 @@ class Robot:
         described = self.description
         meaning = [
             FORMULATION,
-            [(t.type, t.name, getattr(t, "frame", ""), t.axes, t.W) for t in described.tasks],
+            [_meaning_of_task(task) for task in described.tasks],
             [_meaning(contact) for contact in described.contacts],
             [described.posture.W, described.regularization.model_dump()],
         ]
@@ -205,6 +206,12 @@ class Robot:
         """
         return int(self.model.getFrameId(self.frame_name(part)))
 
+    @cached_property
+    def feet(self) -> list[Foot]:
+        """What each contact keeps in its place, in the order of the robot file."""
+        contacts = zip(self.description.contacts, self.sole_frames, strict=True)
+        return [make_foot(contact, frame) for contact, frame in contacts]
+
     def axis_for(self, motion: str, kind: str, axis: str, prefer: str = "") -> str:
         """Find the axis 'task.axis' that carries a motion.
 
@@ -269,6 +276,13 @@ class Robot:
         placement = data.oMf[self.model.getFrameId(frame)]
         quaternion = pinocchio.Quaternion(placement.rotation).coeffs()
         return np.array(placement.translation), np.array(quaternion)
+
+
+def _meaning_of_task(task: ComTaskFile | FrameTaskFile) -> tuple[object, ...]:
+    """Tell what a task means to the formulation."""
+    meaning: tuple[object, ...] = (task.type, task.name, getattr(task, "frame", ""), task.axes)
+    sometimes = isinstance(task, FrameTaskFile) and not task.active
+    return (*meaning, task.W, "sometimes") if sometimes else (*meaning, task.W)
 
 
 def _meaning(contact: Contact) -> tuple[object, ...]:

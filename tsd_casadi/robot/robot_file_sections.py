@@ -64,11 +64,15 @@ class SoleFile(Section):
 class PointFile(Section):
     """A foot that touches the ground in a point and carries no moment.
 
+    It is a ball at the end of a leg: its link turns while the leg moves. So only
+    the frame's origin counts, which has to be on the ground at home; the force is
+    in axes parallel to the world's, its normal the world's z.
+
     Attributes:
         type: Always 'point'.
         name: Name of the contact.
         frame: Link or frame of the description.
-        offset: From that to the point; its z axis is up at home.
+        offset: From that to the point; none if the frame is there.
         friction: Coulomb coefficient that the controller counts on.
         minimum_force: Least normal force while in contact [N].
     """
@@ -126,6 +130,8 @@ class FrameTaskFile(Section):
         P: Stiffness [1/s^2].
         D: Damping [1/s].
         W: Weight [(m/s^2)^-2 or (rad/s^2)^-2].
+        active: Whether the frame is always tracked; otherwise only in motions that move
+            it. A hand that is tracked stays where it is in the world while the rest squats.
     """
 
     type: Literal["frame"]
@@ -135,6 +141,7 @@ class FrameTaskFile(Section):
     P: NonNegative
     D: NonNegative
     W: NonNegative
+    active: Annotated[bool, Field(strict=True)] = True
 
 
 class PostureFile(Section):

@@ -7,8 +7,8 @@ Newton steps from home solve e(q) = 0 and stay as near to home as that allows,
     \Delta q = \alpha \, \delta + J^T (J J^T)^{-1} (e - \alpha J \delta), \qquad
     \delta = q_{home} \ominus q
 
-where e stacks the soles' poses, the base's orientation and the centre of mass,
-each against home, the centre of mass against home raised by a height.
+where e stacks the soles' poses, the points' positions, the base's orientation and
+the centre of mass, each against home, the centre of mass against home raised by a height.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def stand(robot: Robot, height: float) -> State:
         height: Above home, negative below [m].
 
     Returns:
-        Soles and base orientation as at home, the centre of mass straight
+        Feet and base orientation as at home, the centre of mass straight
         above or below its place at home.
 
     Raises:
@@ -55,11 +55,11 @@ def stand(robot: Robot, height: float) -> State:
     data = model.createData()
     # far from the ground and NaN are refused before Newton can diverge
     if abs(height) < robot.home_com[2]:
-        soles = robot.sole_placements(home)
+        places = robot.sole_placements(home)
         com = robot.home_com + np.array([0.0, 0.0, height])
         q = home.copy()
         for alpha in [HOMING] * STEPS + [0.0] * LAST_STEPS:
-            error, J = _residual(robot, data, q, soles, com)
+            error, J = _residual(robot, data, q, places, com)
             gram = J @ J.T + DAMPING * np.eye(len(J))
             homeward = alpha * pinocchio.difference(model, q, home)
             step = homeward + J.T @ np.linalg.solve(gram, error - J @ homeward)
@@ -101,7 +101,7 @@ def _farthest(robot: Robot, sign: float) -> float:
 
 
 def _residual(
-    robot: Robot, data: Any, q: Vector, soles: list[Any], com: Vector
+    robot: Robot, data: Any, q: Vector, places: list[Any], com: Vector
 ) -> tuple[Vector, Matrix]:
     """Compute what is wrong with a configuration, and its Jacobian by v."""
     model = robot.model
@@ -110,9 +110,9 @@ def _residual(
     pinocchio.framesForwardKinematics(model, data, q)
     errors: list[Vector] = []
     jacobians: list[Matrix] = []
-    for frame, sole in zip(robot.sole_frames, soles, strict=True):
-        errors.append(pinocchio.log6(data.oMf[frame].actInv(sole)).vector)
-        jacobians.append(pinocchio.getFrameJacobian(model, data, frame, pinocchio.LOCAL))
+    for foot, place in zip(robot.feet, places, strict=True):
+        errors.append(foot.error(data, place))
+        jacobians.append(foot.jacobian(model, data))
     rotation, upright = (pinocchio.Quaternion(x[3:7]).matrix() for x in (q, robot.home.q))
     errors.append(pinocchio.log3(rotation.T @ upright))
     jacobians.append(np.eye(3, robot.nv, k=3))

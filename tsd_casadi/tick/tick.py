@@ -55,7 +55,10 @@ class Tick:
 
     @property
     def wrenches(self) -> dict[str, Vector]:
-        """Wrench [force; moment] by contact, (6,) [N, N m], sole frame."""
+        """Wrench [force; moment] by contact, (6,) [N, N m].
+
+        In the sole frame; of a point in world axes, its moment zero.
+        """
         wrenches = self._field("wrenches").reshape(-1, 6)
         return dict(zip(self.format.contacts, wrenches, strict=True))
 

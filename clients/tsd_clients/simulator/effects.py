@@ -24,7 +24,8 @@ def check_effects(robot: Robot, effects: Collection[str]) -> tuple[str, ...]:
         effects: Names from ``EFFECTS``, or 'all'.
 
     Raises:
-        InvalidValue: If a name is unknown.
+        InvalidValue: If a name is unknown, or the robot's feet are of two kinds
+            and the base is to be estimated from them.
         RobotFileError: If the robot file has no section 'hardware'.
     """
     unknown = [name for name in effects if name not in (*EFFECTS, "all")]
@@ -36,4 +37,13 @@ def check_effects(robot: Robot, effects: Collection[str]) -> tuple[str, ...]:
         raise RobotFileError(
             robot.path, "hardware", "is missing", "its section, or no hardware effects"
         )
-    return tuple(name for name in EFFECTS if name in effects or "all" in effects)
+    chosen = tuple(name for name in EFFECTS if name in effects or "all" in effects)
+    kinds = {contact.type for contact in robot.description.contacts}
+    if "flat_feet" in chosen and len(kinds) > 1:
+        raise InvalidValue(
+            "hardware",
+            "flat_feet",
+            f"effects without it: it estimates the base from soles or from points, and "
+            f"{robot.name} stands on both",
+        )
+    return chosen

@@ -10,9 +10,10 @@ import numpy as np
 
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
+from tsd_clients.simulator.base_estimator import BaseEstimator, make_base_estimator
 from tsd_clients.simulator.disturbances import Disturbance
 from tsd_clients.simulator.effects import SENSOR_EFFECTS
-from tsd_clients.simulator.hardware import Actuators, Encoders, FlatFeetEstimator
+from tsd_clients.simulator.hardware import Actuators, Encoders
 from tsd_clients.simulator.state_map import StateMap
 
 
@@ -52,7 +53,7 @@ class MujocoPlant:
             disturbance.reset()
         self._actuators: Actuators | None = None
         self._encoders: Encoders | None = None
-        self._estimator: FlatFeetEstimator | None = None
+        self._estimator: BaseEstimator | None = None
         hardware = robot.description.hardware
         if effects and hardware is not None:
             self._actuators = Actuators(hardware, effects, self._dt)
@@ -60,7 +61,7 @@ class MujocoPlant:
                 rng = np.random.default_rng((seed, 1))
                 self._encoders = Encoders(hardware, effects, self._dt, rng)
             if "flat_feet" in effects:
-                self._estimator = FlatFeetEstimator(robot, standing)
+                self._estimator = make_base_estimator(robot, standing)
         self.com: Vector = np.array(self._data.subtree_com[self._state_map.base_body])
 
     def measure(self) -> tuple[State, State]:

@@ -1,4 +1,4 @@
-"""Whether a robot's URDF and its MuJoCo scene describe the same body."""
+"""Whether a robot's description and its MuJoCo scene are the same robot."""
 
 from __future__ import annotations
 
@@ -10,11 +10,21 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.exceptions import ParityError
+from tsd_casadi.exceptions.discrepancy import Discrepancy
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State
+from tsd_clients.simulator.body_parity import compare_bodies
+from tsd_clients.simulator.ground_parity import compare_ground
+from tsd_clients.simulator.joint_parity import compare_joints
+from tsd_clients.simulator.passive_parity import compare_passive_forces
+from tsd_clients.simulator.rounding import TOLERANCE
+from tsd_clients.simulator.scene import scene_file
+from tsd_clients.simulator.scene_bodies import SceneBodies
 from tsd_clients.simulator.state_map import StateMap
 
-TOLERANCE = 1e-9
+# of the whole robot, relative: what parts that are each within their tolerance can
+# add up to
+WHOLE = 10 * TOLERANCE
 
 
 @dataclass(frozen=True)
@@ -84,15 +94,54 @@ def measure_parity(robot: Robot, model: Any, states: int = 5, seed: int = 0) -> 
 
 
 def check_parity(robot: Robot, model: Any) -> None:
-    """Refuse a scene that is not the URDF's robot.
+    """Refuse a scene that is not the robot described.
 
     Args:
         model: ``mujoco.MjModel`` of its scene.
 
     Raises:
-        ParityError: If mass matrix, bias forces or centre of mass differ.
+        ParityError: With everything that differs by more than rounded text does.
     """
+    found = find_discrepancies(robot, model)
+    if found:
+        raise ParityError(robot.name, scene_file(robot), found)
+
+
+def find_discrepancies(robot: Robot, model: Any) -> list[Discrepancy]:
+    """Compare bodies, joints, motors, passive forces, floor and feet, then all together.
+
+    Args:
+        model: ``mujoco.MjModel`` of its scene.
+
+    Returns:
+        What differs, by name of body, joint or contact.
+    """
+    state_map = StateMap(robot, model)
+    scene = SceneBodies(robot, model, state_map)
+    bodies = compare_bodies(robot, scene)
+    found = [
+        *bodies.discrepancies,
+        *compare_joints(robot, model, state_map),
+        *compare_passive_forces(robot, model),
+        *compare_ground(robot, model, scene, bodies.displacements),
+    ]
+    return found or _compare_dynamics(robot, model)
+
+
+def _compare_dynamics(robot: Robot, model: Any) -> list[Discrepancy]:
+    """Look for what no comparison of parts has seen."""
     parity = measure_parity(robot, model)
-    for quantity, difference in vars(parity).items():
-        if difference > TOLERANCE:
-            raise ParityError(robot.name, quantity.replace("_", " "), difference, TOLERANCE)
+    height, weight = float(robot.home_com[2]), robot.weight
+    mass = weight / float(np.linalg.norm(robot.model.gravity.linear))
+    scales = (max(mass, mass * height**2), weight * max(1.0, height), height)
+    return [
+        Discrepancy(
+            "whole robot",
+            quantity.replace("_", " "),
+            f"{difference / scale:.1e} of its size off",
+            f"{WHOLE:.0e} at most",
+            "compare joint axes, placements and references of the two files",
+        )
+        for (quantity, difference), scale in zip(vars(parity).items(), scales, strict=True)
+        if difference > WHOLE * scale
+    ]

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.exceptions import InvalidValue, RobotFileError
+from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.plant import Plant, Truth
 from tsd_casadi.repetition.repeat import repeat
@@ -24,6 +24,7 @@ from tsd_clients.simulator.hardware import add_to_model
 from tsd_clients.simulator.model_error import ModelError
 from tsd_clients.simulator.mujoco_plant import MujocoPlant
 from tsd_clients.simulator.parity import check_parity
+from tsd_clients.simulator.scene import load_scene
 from tsd_clients.simulator.state_map import StateMap
 
 # starting posture: joints off home by up to this [rad], as in the paper's
@@ -55,7 +56,7 @@ class MujocoSimulator(Plant):
         period: float = 1e-3,
         disturbances: Sequence[Disturbance] = (),
     ) -> None:
-        """Load the scene and check it against the URDF.
+        """Load the scene or build one, and check it against the robot.
 
         Args:
             model_error: E of every link, greater than -1, or errors that differ.
@@ -66,18 +67,13 @@ class MujocoSimulator(Plant):
 
         Raises:
             RobotFileError: If the scene cannot be used.
-            ParityError: If scene and URDF describe different bodies.
+            ParityError: If scene and robot differ in what counts.
             InvalidValue: If the model error is out of range or an effect unknown.
         """
         if not isinstance(model_error, ModelError):
             model_error = ModelError(model_error)
         self.hardware = check_effects(robot, hardware)
-        try:
-            model: Any = mujoco.MjModel.from_xml_path(str(robot.scene_path))
-        except ValueError as error:
-            raise RobotFileError(
-                robot.scene_path, "", f"cannot be loaded ({error})", "a MuJoCo scene"
-            ) from error
+        model = load_scene(robot)
         check_parity(robot, model)
         if not SHORTEST_PERIOD <= period <= LONGEST_PERIOD:
             raise InvalidValue(

@@ -15,6 +15,7 @@ import numpy as np
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, State, Vector
+from tsd_clients.simulator.scene import scene_file
 
 WXYZ_TO_XYZW = [1, 2, 3, 0]
 XYZW_TO_WXYZ = [3, 0, 1, 2]
@@ -39,7 +40,7 @@ class StateMap:
         Raises:
             RobotFileError: If the free joint, a joint or its motor is missing.
         """
-        self._scene = robot.scene_path
+        self._scene = scene_file(robot)
         free = np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)
         if len(free) != 1:
             raise RobotFileError(

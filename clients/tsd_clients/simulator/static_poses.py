@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -62,8 +63,8 @@ def collect(
     Returns:
         One measurement per pose, the most telling first: the first n of them
         are a good collection of n. Poses are left out where the centre of
-        pressure did not come to rest or, as the joint angles have it, a sole
-        was not flat on the ground.
+        pressure did not come to rest or, as the joint angles have it, a foot
+        was not on the ground.
 
     Raises:
         InvalidValue: If the count is out of range for the robot.
@@ -190,7 +191,7 @@ def _as_believed(center: Vector, true: State, measured: State) -> Vector:
 
 
 def _inclined(robot: Robot, q: Vector, upwards: Vector) -> Vector:
-    """Lean the base's pose about the middle of the soles until upwards is up, (7,)."""
+    """Lean the base's pose about the middle of the feet until upwards is up, (7,)."""
     base = pinocchio.XYZQUATToSE3(q[:7])
     found = pinocchio.Quaternion.FromTwoVectors(base.rotation @ upwards, np.array([0.0, 0.0, 1.0]))
     middle = np.mean([sole.translation for sole in robot.sole_placements(q)], axis=0)
@@ -199,12 +200,23 @@ def _inclined(robot: Robot, q: Vector, upwards: Vector) -> Vector:
 
 
 def _stands_flat(robot: Robot, q: Vector) -> bool:
-    """Tell whether the soles lie in one plane, whatever the base's inclination."""
-    soles = robot.sole_placements(q)
-    normal = _unit(np.sum([sole.rotation[:, 2] for sole in soles], axis=0))
-    heights = [normal @ sole.translation for sole in soles]
-    tilts = [np.linalg.norm(sole.rotation[:, 2] - normal) for sole in soles]
+    """Tell whether the feet lie in one plane, whatever the base's inclination."""
+    places = robot.sole_placements(q)
+    normal = _ground_normal(robot, places)
+    heights = [normal @ place.translation for place in places]
+    tilts = [foot.tilt(place, normal) for foot, place in zip(robot.feet, places, strict=True)]
     return bool(np.ptp(heights) < FLATNESS and max(tilts) < TILTED)
+
+
+def _ground_normal(robot: Robot, places: list[Any]) -> Vector:
+    """Compute the mean normal of the soles, or without any of the plane through the points."""
+    feet = zip(robot.feet, places, strict=True)
+    normals = np.vstack([foot.normals(place) for foot, place in feet])
+    if len(normals) > 0:
+        return _unit(np.sum(normals, axis=0))
+    points = np.array([place.translation for place in places])
+    normal = np.linalg.svd(points - points.mean(axis=0))[2][-1]
+    return np.asarray(normal * np.copysign(1.0, normal[2]))
 
 
 def _unit(vector: Vector) -> Vector:

@@ -13,11 +13,11 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix
@@ -34,7 +34,8 @@ HINT = (
 WIDTH, HEIGHT = 480, 640
 # how long rendering may take: its start, and each picture
 PATIENCE, PATIENCE_PER_PICTURE = 60.0, 2.0  # s
-SHADOW = 1024  # pixels
+# how the drawing process ends where a library is not to blame
+REFUSED = 3
 COLORS = 128  # of a GIF
 PALETTE_STEP = 8  # frames between two of those that the colours are chosen from
 
@@ -78,6 +79,9 @@ def render_postures(
 
     Returns:
         (N, height, width, 3) of bytes; None if no GL library works, see ``HINT``.
+
+    Raises:
+        RobotFileError: If the robot cannot be drawn: its scene, or a mesh that is there.
     """
     with tempfile.TemporaryDirectory(prefix="tsd-render-") as folder:
         given, target = Path(folder) / "postures.npy", Path(folder) / "frames.npy"
@@ -135,7 +139,12 @@ def _libraries() -> tuple[str, ...]:
 
 
 def _render_apart(library: str, arguments: list[str], patience: float) -> bool:
-    command = [sys.executable, "-m", "tsd_clients.viewer.rendering", *arguments]
+    """Draw in a process of its own; False where the library does not work.
+
+    Raises:
+        RobotFileError: If the robot cannot be drawn, with any library.
+    """
+    command = [sys.executable, "-m", "tsd_clients.viewer.drawing", *arguments]
     environment = {**os.environ, "MUJOCO_GL": library}
     try:
         done = subprocess.run(
@@ -143,44 +152,6 @@ def _render_apart(library: str, arguments: list[str], patience: float) -> bool:
         )
     except subprocess.TimeoutExpired:
         return False
+    if done.returncode == REFUSED:
+        raise RobotFileError.of_message(done.stderr.decode(errors="replace").strip())
     return done.returncode == 0
-
-
-def _render(
-    robot_path: Path, postures: Path, target: Path, width: int, height: int, azimuth: float | None
-) -> None:
-    import mujoco
-
-    from tsd_casadi.robot.robot import load_robot
-    from tsd_casadi.state import State
-    from tsd_clients.simulator.state_map import StateMap
-
-    robot = load_robot(robot_path)
-    model: Any = mujoco.MjModel.from_xml_path(str(robot.scene_path))
-    # GL without a graphics card draws shadows of 4096 x 4096 for seconds
-    model.vis.quality.shadowsize = SHADOW
-    data = mujoco.MjData(model)
-    state_map = StateMap(robot, model)
-    frames = []
-    with mujoco.Renderer(model, height, width) as renderer:
-        camera = mujoco.MjvCamera()
-        mujoco.mjv_defaultFreeCamera(model, camera)
-        if azimuth is not None:
-            camera.azimuth = azimuth
-        camera.distance = 3.0 * float(robot.home_com[2])
-        # where the robot stands at home; a camera that followed it would hide its motion
-        camera.lookat[:] = (*robot.home_com[:2], 0.75 * float(robot.home_com[2]))
-        for q in np.load(postures):
-            state_map.write(data, State(q, np.zeros(robot.nv)))
-            mujoco.mj_forward(model, data)
-            renderer.update_scene(data, camera)
-            frames.append(renderer.render().copy())
-    np.save(target, np.array(frames))
-
-
-if __name__ == "__main__":
-    robot_file, given_file, target_file = map(Path, sys.argv[1:4])
-    pixels = int(sys.argv[4]), int(sys.argv[5])
-    _render(
-        robot_file, given_file, target_file, *pixels, float(sys.argv[6]) if sys.argv[6] else None
-    )

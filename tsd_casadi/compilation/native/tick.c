@@ -185,9 +185,31 @@ static int prepare_inequalities(struct tick* t) {
   return flag < 0 ? flag : activate_constraints(&t->work);
 }
 
+/* One step of iterative refinement with DAQP's own factors, M M^T = L D L^T of
+ * the active rows. They are updated at each of up to 40 iterations, and feet at
+ * the edges of their cones make them nearly dependent: without this step the
+ * rounding that gathers can exceed LIMIT_TOLERANCE. */
+static void refine(DAQPWorkspace* work) {
+  const int n = work->n_active;
+  double r[N_Y + 1];
+  for (int i = 0; i < n; i++) {
+    const int row = work->WS[i];
+    const double* m = work->M + row * N_Y;
+    r[i] = (work->sense[row] & LOWER) ? work->dlower[row] : work->dupper[row];
+    for (int j = 0; j < N_Y; j++) r[i] -= m[j] * work->u[j];
+    for (int j = 0; j < i; j++) r[i] -= work->L[ARSUM(i) + j] * r[j];
+  }
+  for (int i = n - 1; i >= 0; i--) {
+    r[i] /= work->D[i];
+    for (int k = i + 1; k < n; k++) r[i] -= work->L[ARSUM(k) + i] * r[k];
+    add_multiple(N_Y, r[i], work->M + work->WS[i] * N_Y, work->u);
+  }
+}
+
 static int solve_inequalities(struct tick* t) {
   const int flag = daqp_ldp(&t->work);
   if (flag > 0) {
+    refine(&t->work);
     expand_metric(&t->reduced, t->work.u, t->x);
     evaluate_rows(t);
     /* DAQP judges rows in the metric of the cost; what counts is newtons */
@@ -199,7 +221,10 @@ static int solve_inequalities(struct tick* t) {
 static void fill_solution(const struct tick* t, int n_active, double* reply) {
   for (int i = 0; i < N_TAU; i++)
     reply[REPLY_TAU + i] = t->h_a[i] + t->rows[N_GENERAL - N_TAU + i];
-  memcpy(reply + REPLY_QDD, t->x, N_X * sizeof(double)); /* qdd, then wrenches */
+  memcpy(reply + REPLY_QDD, t->x, N_V * sizeof(double));
+  /* what a contact does not carry stays zero */
+  for (int i = 0; i < N_FORCE_PLACES; i++)
+    reply[REPLY_WRENCHES + force_places[i]] = t->x[N_V + i];
   double* active = reply + REPLY_ACTIVE;
   for (int i = 0; i < N_EQUALITIES; i++) active[N_V + i] = 2.0;
   for (int i = 0; i < n_active; i++) {
@@ -210,7 +235,7 @@ static void fill_solution(const struct tick* t, int n_active, double* reply) {
 }
 
 static void answer_safely(struct tick* t, const double* request, double* reply) {
-  memset(reply + REPLY_QDD, 0, N_X * sizeof(double));
+  memset(reply + REPLY_QDD, 0, (N_V + N_WRENCHES) * sizeof(double));
   memset(reply + REPLY_ACTIVE, 0, N_ROWS * sizeof(double));
   t->arguments[0] = request;
   t->results[0] = reply + REPLY_TAU;
@@ -254,7 +279,7 @@ int tick_run(struct tick* t, const double* request, double* reply) {
   }
   if (status == STATUS_OK) {
     fill_solution(t, n_active, reply);
-    if (!all_finite(reply + REPLY_TAU, N_TAU + N_X)) status = STATUS_NOT_FINITE;
+    if (!all_finite(reply + REPLY_TAU, N_TAU + N_V + N_WRENCHES)) status = STATUS_NOT_FINITE;
   }
   const double solved = microseconds();
   if (status != STATUS_OK) answer_safely(t, request, reply);

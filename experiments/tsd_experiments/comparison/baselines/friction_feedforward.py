@@ -51,8 +51,7 @@ class FrictionFeedforward(Compensator):
                 )
             J.append(np.array(J_task[rows]))
             xd.append(moment.command[f"{task.name}.reference_velocity"])
-        for contact in self._robot.description.contacts:
-            frame = self._robot.frame_id(contact.name)
-            J.append(pinocchio.getFrameJacobian(model, data, frame, pinocchio.LOCAL))
-            xd.append(np.zeros(6))
+        for foot in self._robot.feet:
+            J.append(foot.jacobian(model, data))
+            xd.append(np.zeros(foot.rows))
         return np.asarray(np.linalg.lstsq(np.vstack(J), np.concatenate(xd), rcond=1e-6)[0])

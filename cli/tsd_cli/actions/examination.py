@@ -1,0 +1,66 @@
+"""Examining a robot file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import typer
+
+from tsd_casadi.examination.examine import Examination, examine
+from tsd_casadi.robot.robot import Robot, load_robot
+from tsd_cli.actions.prepare import compile_with_activity
+from tsd_cli.interrupt import interruptible
+from tsd_cli.options.output import JsonOptions
+from tsd_cli.output import check_outputs, put_out
+from tsd_clients.console.examination_tables import print_examination
+from tsd_clients.console.progress import show_activity, show_progress
+from tsd_clients.console.table import console
+from tsd_clients.viewer.rendering import HINT, render_postures, side_by_side
+
+CANNOT_WORK = 1
+
+
+@interruptible()
+def check_robot_file(robot_file: str, pictures: Path | None, output: JsonOptions) -> None:
+    """Examine a robot; exit with 1 if it cannot work.
+
+    Args:
+        pictures: Folder for them, None for none.
+
+    Raises:
+        TsdError: If the file cannot be used at all.
+    """
+    check_outputs(output)
+    robot = load_robot(robot_file)
+    controller = compile_with_activity(robot)
+    with show_progress(f"examining {robot.name}", 1) as report:
+        examination = examine(robot, controller, report)
+    put_out(
+        {"robot": robot.name, **examination.plain()},
+        output,
+        lambda: print_examination(robot.name, examination.plain()),
+    )
+    if pictures is not None:
+        _draw(robot, examination, pictures)
+    if not examination.works:
+        raise typer.Exit(CANNOT_WORK)
+
+
+def _draw(robot: Robot, examination: Examination, folder: Path) -> None:
+    from matplotlib.image import imsave
+
+    largest = {each.motion.name: each for each in examination.demands if each.extremes}
+    postures = [robot.home.q]
+    for demands in largest.values():
+        postures += [posture.q for posture in demands.extremes]
+    with show_activity("drawing"):
+        frames = render_postures(robot, np.array(postures))
+    if frames is None:
+        console.print(HINT)
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    imsave(folder / "home.png", frames[0])
+    for index, name in enumerate(largest):
+        imsave(folder / f"{name}.png", side_by_side(frames[1 + 2 * index : 3 + 2 * index]))
+    console.print(f"pictures of home and of each motion's extremes in {folder}")

@@ -1,0 +1,64 @@
+"""Tables of what was found wrong with a robot, and of what its motions ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rich.markup import escape
+
+from tsd_clients.console.table import Column, console, print_table
+
+COLORS = {"error": "red", "warning": "yellow", "note": "dim"}
+
+
+def print_examination(name: str, examination: Mapping[str, Any]) -> None:
+    """Print findings, then motions.
+
+    Args:
+        name: Of the robot.
+        examination: From ``Examination.plain``.
+    """
+    motions = examination["motions"]
+    print_table(
+        f"{name}: the ends of its motions' ranges, over a lap",
+        [
+            Column("motion", [_motion(each) for each in motions], is_text=True),
+            Column("joint limit\nleft, rad", [_part(each, "joint", 1.0, 2) for each in motions]),
+            Column("nearest", [_of(each, "joint") for each in motions], rank=1, is_text=True),
+            Column("torque\n%", [_part(each, "torque", 100.0, 0) for each in motions]),
+            Column("joint", [_of(each, "torque") for each in motions], rank=3, is_text=True),
+            Column("friction\n%", [_part(each, "friction", 100.0, 0) for each in motions], rank=2),
+            Column("feet left\nmm", [_pressure(each) for each in motions]),
+        ],
+    )
+    console.print()
+    for finding in examination["findings"]:
+        color, severity = COLORS[finding["severity"]], finding["severity"]
+        console.print(
+            f"[{color}]{severity}[/{color}] {escape(finding['element'])} "
+            f"{escape(finding['found'])}; {escape(finding['remedy'])}",
+            highlight=False,
+        )
+    errors = sum(finding["severity"] == "error" for finding in examination["findings"])
+    others = len(examination["findings"]) - errors
+    verdict = "works" if examination["works"] else "cannot work like this"
+    console.print(f"{name} {verdict}: {errors} errors, {others} warnings and notes")
+
+
+def _motion(motion: Mapping[str, Any]) -> str:
+    values = (f"{name}={value:.3g}" for name, value in motion["parameters"].items() if value)
+    return escape(" ".join([motion["motion"], *values]))
+
+
+def _part(motion: Mapping[str, Any], name: str, factor: float, digits: int) -> str:
+    part = motion[name]
+    return "-" if part is None else f"{factor * part['value']:.{digits}f}"
+
+
+def _pressure(motion: Mapping[str, Any]) -> str:
+    return "-" if motion["pressure"] is None else f"{1e3 * motion['pressure']:.0f}"
+
+
+def _of(motion: Mapping[str, Any], name: str) -> str:
+    return "" if motion[name] is None else escape(str(motion[name]["of"]))
