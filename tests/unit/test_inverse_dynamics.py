@@ -716,11 +716,11 @@ def lively(controller: Controller) -> Command:
         robot.axis_for("", kind, axis).split(".")[0]
         for kind, axis in (("com", "x"), ("frame", "rx"))
     )
-    # narrow feet carry little moment, the less the heavier and higher what turns above them
-    extents = [np.abs(command[name]).min() for name in names_of(problem_of(controller), ".extents")]
-    share = min([1.0, *((extent / 0.05) ** 2 for extent in extents)])
-    command[f"{com}.reference_acceleration"] = share * np.array([0.3, 0.2, 0.5])
-    command[f"{turning}.reference_acceleration"] = share * np.array([0.5, 0.4, 0.3])
+    # on narrow feet one limit would push the centre of pressure against another
+    for name in names_of(problem_of(controller), ".extents"):
+        command[name] = np.copysign(np.maximum(np.abs(command[name]), 0.05), command[name])
+    command[f"{com}.reference_acceleration"] = [0.3, 0.2, 0.5]
+    command[f"{turning}.reference_acceleration"] = [0.5, 0.4, 0.3]
     return command
 
 
