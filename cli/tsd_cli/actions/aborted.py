@@ -38,3 +38,13 @@ def keep_aborted(put_out: Callable[[Run], None]) -> Iterator[Callable[[Run], Non
             raise
         typer.echo(f"error: {error}", err=True)
         raise typer.Exit(ABORTED) from error
+
+
+@contextmanager
+def put_out_on_interrupt(put_out: Callable[[], None]) -> Iterator[None]:
+    """Put out what there is when Ctrl-C is pressed, which then goes on as it is."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        put_out()
+        raise

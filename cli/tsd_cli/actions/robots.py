@@ -32,7 +32,9 @@ def _describe(name: str) -> dict[str, Any]:
         robot = load_robot(name)
     except RobotFileError as error:
         # its description is in a package that is not there
-        empty: dict[str, list[str]] = {key: [] for key in ("joints", "contacts", "tasks", "motions")}
+        empty: dict[str, list[str]] = {
+            key: [] for key in ("joints", "contacts", "tasks", "motions")
+        }
         return {"name": name, **empty, "file": str(error.path), "missing": str(error)}
     description = robot.description
     return {
