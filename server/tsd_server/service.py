@@ -19,13 +19,13 @@ from tsd_casadi.wire.endpoints import check_endpoint, configure_runtime, session
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import alive_key
 from tsd_server.stop_signals import StopSignals
+from tsd_server.waiting_line import WAITING_QUERIES, Later, WaitingLine
 
 JSON = zenoh.Encoding.APPLICATION_JSON
-WAITING_QUERIES = 64
 # how long closing may take: a client that is frozen with a full pipe blocks it [s]
 CLOSING = 0.7
 
-Answer = Callable[[zenoh.Query], None]
+Answer = Callable[[zenoh.Query], Later | None]
 
 
 class Service:
@@ -60,6 +60,7 @@ class Service:
         self._listen = [check_endpoint(endpoint) for endpoint in listen]
         self._closing = False
         self._threads: list[threading.Thread] = []
+        self._lines: list[WaitingLine] = []
         self._declared: list[object] = []  # undeclared when forgotten
         self._failure: BaseException | None = None
         configure_runtime()
@@ -88,6 +89,8 @@ class Service:
         end = time.monotonic() + CLOSING
         closing = threading.Thread(target=self.session.close, daemon=True)
         closing.start()
+        for line in self._lines:
+            line.close()
         for thread in (closing, *self._threads):
             thread.join(max(0.0, end - time.monotonic()))
         self._signals.close()
@@ -100,14 +103,25 @@ class Service:
         would wait with it, keep-alives would stop and every client be cut off.
 
         Args:
-            answer: Replies to one query; a TsdError it raises becomes an error
-                reply.
+            answer: Replies to one query, or says in which line it is to wait; a
+                TsdError it raises becomes an error reply.
         """
         queryable: Any = self.session.declare_queryable(
             key, RingChannel(WAITING_QUERIES), complete=True
         )
         self._declared.append(queryable)
-        thread = threading.Thread(target=self._loop, args=(queryable, answer), daemon=True)
+        pairs = ((query, answer) for query in queryable)  # ends when the session is closed
+        self._start(pairs)
+
+    def line(self) -> WaitingLine:
+        """Make a line with a thread of its own, for queries that would keep others waiting."""
+        line = WaitingLine()
+        self._lines.append(line)
+        self._start(iter(line.take, None))
+        return line
+
+    def _start(self, queries: Iterable[tuple[zenoh.Query, Answer]]) -> None:
+        thread = threading.Thread(target=self._loop, args=(queries,), daemon=True)
         self._threads.append(thread)
         thread.start()
 
@@ -129,9 +143,9 @@ class Service:
         if self._failure is not None:
             raise self._failure
 
-    def _loop(self, queries: Iterable[zenoh.Query], answer: Answer) -> None:
+    def _loop(self, queries: Iterable[tuple[zenoh.Query, Answer]]) -> None:
         try:
-            for query in queries:  # ends when the session is closed
+            for query, answer in queries:
                 self._answer_one(query, answer)
         except BaseException as error:
             if not self._closing:
@@ -139,20 +153,26 @@ class Service:
                 self._signals.wake()
 
     def _answer_one(self, query: zenoh.Query, answer: Answer) -> None:
-        with query:
-            try:
-                answer(query)
-            except TsdError as error:
-                query.reply_err(ErrorMessage.of(error).encode(), encoding=JSON)
-            except Exception as error:
-                # the client must not wait for its timeout because of our defect
-                message = ErrorMessage(
-                    format="tsd.error/2",
-                    code="internal",
-                    message=f"{self._role} failed: {type(error).__name__}: {error}",
-                )
-                query.reply_err(message.encode(), encoding=JSON)
-                say(message.message, sys.stderr)
+        later = None
+        try:
+            later = answer(query)
+        except TsdError as error:
+            query.reply_err(ErrorMessage.of(error).encode(), encoding=JSON)
+        except Exception as error:
+            # the client must not wait for its timeout because of our defect
+            message = ErrorMessage(
+                format="tsd.error/2",
+                code="internal",
+                message=f"{self._role} failed: {type(error).__name__}: {error}",
+            )
+            query.reply_err(message.encode(), encoding=JSON)
+            say(message.message, sys.stderr)
+        finally:
+            if later is None:
+                # or its client would wait for more
+                query.drop()  # type: ignore[no-untyped-call]
+        if later is not None:
+            later.line.put(query, later.answer)
 
 
 def say(text: str, stream: TextIO) -> None:
