@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import re
-from collections.abc import Sequence
 from pathlib import Path
 
 import zenoh
@@ -16,6 +15,7 @@ from tsd_casadi.wire.keys import (
     ANY_ROBOT,
     database_key,
     feedforward_key,
+    health_key,
     record_key,
     robot_of,
     suggestion_key,
@@ -30,6 +30,7 @@ from tsd_casadi.wire.learner import (
 from tsd_casadi.wire.question import Question, number
 from tsd_casadi.wire.record import RecordMessage
 from tsd_casadi.wire.suggestion import SuggestionMessage
+from tsd_server.place import Place
 from tsd_server.service import Service, reply_json
 
 # robot chunk of replies to a query for any robot
@@ -49,14 +50,15 @@ class LearnerService:
         path: The database file.
     """
 
-    def __init__(self, path: Path, listen: Sequence[str]) -> None:
+    def __init__(self, path: Path, place: Place) -> None:
         """Open session and database.
 
         Args:
             path: The database file, made if there is none.
-            listen: Endpoints to listen on.
+            place: Where to listen.
 
         Raises:
+            AlreadyRunning: If the file has a learner.
             DatabaseError: If the file is not one of ours.
             EndpointTaken: If it cannot listen there.
         """
@@ -64,7 +66,7 @@ class LearnerService:
         Database(path).close()  # refuse a wrong file before listening
         # the first regression would wait seconds for it
         importlib.import_module("sklearn.gaussian_process")
-        self._service = Service("learner", ANY_ROBOT, listen)
+        self._service = Service("learner", ANY_ROBOT, place, subject=str(path.resolve()))
         self._database: Database | None = None
 
     def run(self) -> None:
@@ -89,6 +91,7 @@ class LearnerService:
             suggestion_key(robot): self._suggestion,
             record_key(robot): self._record,
             database_key(robot): self._entries,
+            health_key(robot, "learner"): self._health,
         }
         if key not in answers:
             raise MalformedMessage(f"key {key}", f"one of {', '.join(answers)}")
@@ -174,6 +177,10 @@ class LearnerService:
         )
         name = EVERY if robot == ANY_ROBOT else robot
         reply_json(query, database_key(name), reply.encode())
+
+    def _health(self, query: zenoh.Query, robot: str) -> None:
+        name = EVERY if robot == ANY_ROBOT else robot
+        reply_json(query, health_key(name, "learner"), self._service.health().encode())
 
 
 def _texts(query: zenoh.Query) -> dict[str, str]:

@@ -2,30 +2,45 @@
 
 from __future__ import annotations
 
+import logging
 import secrets
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
+from importlib.metadata import version
 from types import TracebackType
 from typing import Any, TextIO
 
 import zenoh
 from zenoh.handlers import RingChannel
 
-from tsd_casadi.exceptions import EndpointTaken, TsdError
-from tsd_casadi.wire.endpoints import check_endpoint, configure_runtime, session_settings
+from tsd_casadi.exceptions import TsdError
+from tsd_casadi.version import __version__
 from tsd_casadi.wire.error import ErrorMessage
+from tsd_casadi.wire.health import DatabaseStateMessage, HealthMessage
 from tsd_casadi.wire.keys import alive_key
+from tsd_casadi.wire.message import VERSION as MESSAGES
+from tsd_casadi.wire.run_directory import Registration, RunRecord
+from tsd_casadi.wire.tick_message import VERSION as TICK
+from tsd_server.links import UnhurriedLinks
+from tsd_server.place import Place, Role
 from tsd_server.stop_signals import StopSignals
+from tsd_server.tally import Tally
 
 JSON = zenoh.Encoding.APPLICATION_JSON
 WAITING_QUERIES = 64
 # how long closing may take: a client that is frozen with a full pipe blocks it [s]
 CLOSING = 0.7
+# how long a thread that answers something else may keep the ticks waiting for the
+# interpreter; with Python's own 5 ms a busy one makes every tick late [s]
+SWITCHING = 0.0005
 
 Answer = Callable[[zenoh.Query], None]
+
+_log = logging.getLogger(__name__)
 
 
 class Service:
@@ -39,39 +54,48 @@ class Service:
         session: The session.
     """
 
-    def __init__(
-        self, role: str, robot: str, listen: Sequence[str], *, low_latency: bool = False
-    ) -> None:
-        """Open the session.
+    def __init__(self, role: Role, robot: str, place: Place, *, subject: str | None = None) -> None:
+        """Take the place and open the session.
 
         Args:
             role: 'controller' or 'learner'.
             robot: Robot's chunk of the keys.
-            listen: Endpoints to listen on.
-            low_latency: See ``session_settings``.
+            place: Where to listen.
+            subject: What is served once on this machine; the robot by default.
 
         Raises:
+            AlreadyRunning: If another service of the role serves the subject.
             EndpointTaken: If it cannot listen there.
-            InvalidValue: If an endpoint is malformed.
+            InvalidValue: If an endpoint or the file of the place is malformed.
+            CertificateRefused: If a certificate cannot be used.
         """
         self.instance = secrets.randbits(63) | 1
         self._role = role
         self._robot = robot
-        self._listen = [check_endpoint(endpoint) for endpoint in listen]
+        self._endpoints = place.endpoints(role)
         self._closing = False
         self._threads: list[threading.Thread] = []
         self._declared: list[object] = []  # undeclared when forgotten
+        self._tallies: dict[str, Tally] = {}
         self._failure: BaseException | None = None
-        configure_runtime()
-        zenoh.init_log_from_env_or("off")
-        config = zenoh.Config()
-        for key, value in session_settings(listen=self._listen, low_latency=low_latency).items():
-            config.insert_json5(key, value)
+        self._record = RunRecord.of_this_process(
+            role,
+            subject or robot,
+            robot=robot,
+            endpoints=tuple(self._endpoints),
+            instance=self.instance,
+        )
+        self._opened = time.monotonic()
+        self._registration = Registration(self._record)
         try:
-            self.session = zenoh.open(config)
-        except zenoh.ZError as error:
-            raise EndpointTaken(role, ", ".join(self._listen), _reason(error)) from error
+            self.session = place.open(role)
+        except BaseException:
+            self._registration.close()
+            raise
+        sys.setswitchinterval(SWITCHING)
+        self._links = UnhurriedLinks(self.session)
         self._signals = StopSignals()
+        _log.info("%s of %s opened its session", role, subject or robot)
 
     def __enter__(self) -> Service:
         """Use as a context manager."""
@@ -91,6 +115,8 @@ class Service:
         for thread in (closing, *self._threads):
             thread.join(max(0.0, end - time.monotonic()))
         self._signals.close()
+        self._registration.close()
+        _log.info("%s of %s has closed", self._role, self._record.subject)
 
     def answer(self, key: str, answer: Answer) -> None:
         """Answer the queries on a key, one after another.
@@ -107,7 +133,9 @@ class Service:
             key, RingChannel(WAITING_QUERIES), complete=True
         )
         self._declared.append(queryable)
-        thread = threading.Thread(target=self._loop, args=(queryable, answer), daemon=True)
+        tally = self._tallies.setdefault(key.rpartition("/")[2], Tally())
+        waiting = _in_turn(queryable, tally)
+        thread = threading.Thread(target=self._loop, args=(waiting, answer, tally), daemon=True)
         self._threads.append(thread)
         thread.start()
 
@@ -123,26 +151,58 @@ class Service:
         token = alive_key(self._robot, self._role)
         with self._signals:
             self._declared.append(self.session.liveliness().declare_token(token))
-            for endpoint in self._listen:
+            for endpoint in self._endpoints:
                 say(f"{self._role} ready on {endpoint}: {description}", sys.stdout)
             self._signals.wait()
         if self._failure is not None:
             raise self._failure
 
-    def _loop(self, queries: Iterable[zenoh.Query], answer: Answer) -> None:
+    def health(
+        self,
+        *,
+        ticks: dict[str, int] | None = None,
+        database: DatabaseStateMessage | None = None,
+    ) -> HealthMessage:
+        """Say how the service is.
+
+        Args:
+            ticks: Of a controller, by status.
+            database: Of a learner.
+        """
+        return HealthMessage(
+            role=self._role,
+            robot=self._robot,
+            instance=self.instance,
+            pid=self._record.pid,
+            started=self._record.started,
+            uptime=time.monotonic() - self._opened,
+            versions={
+                "tsd_casadi": __version__,
+                "zenoh": version("eclipse-zenoh"),
+                "messages": str(MESSAGES),
+                "tick": str(TICK),
+            },
+            answers={name: tally.message() for name, tally in self._tallies.items()},
+            ticks=ticks,
+            database=database,
+        )
+
+    def _loop(self, queries: Iterable[zenoh.Query], answer: Answer, tally: Tally) -> None:
         try:
-            for query in queries:  # ends when the session is closed
-                self._answer_one(query, answer)
+            for query in queries:
+                self._answer_one(query, answer, tally)
         except BaseException as error:
             if not self._closing:
                 self._failure = error
                 self._signals.wake()
 
-    def _answer_one(self, query: zenoh.Query, answer: Answer) -> None:
+    def _answer_one(self, query: zenoh.Query, answer: Answer, tally: Tally) -> None:
         with query:
             try:
-                answer(query)
+                with tally.counting():
+                    answer(query)
             except TsdError as error:
+                _log.debug("%s refused: %s", query.key_expr, error)
                 query.reply_err(ErrorMessage.of(error).encode(), encoding=JSON)
             except Exception as error:
                 # the client must not wait for its timeout because of our defect
@@ -153,6 +213,24 @@ class Service:
                 )
                 query.reply_err(message.encode(), encoding=JSON)
                 say(message.message, sys.stderr)
+                _log.info("%s failed", query.key_expr, exc_info=error)
+
+
+def _in_turn(queryable: Any, tally: Tally) -> Iterator[zenoh.Query]:
+    """Take up queries in the order in which they came, until the session is closed.
+
+    Some of those that have come are taken up before the next is answered, since only
+    what has been taken up can be counted.
+    """
+    waiting: deque[zenoh.Query] = deque()
+    for first in queryable:
+        waiting.append(first)
+        while waiting:
+            while len(waiting) < WAITING_QUERIES and (more := queryable.try_recv()) is not None:
+                waiting.append(more)
+            tally.waiting = len(waiting)
+            yield waiting.popleft()
+        tally.waiting = 0
 
 
 def say(text: str, stream: TextIO) -> None:
@@ -164,14 +242,6 @@ def say(text: str, stream: TextIO) -> None:
     """
     with suppress(OSError, ValueError):
         print(text, file=stream, flush=True)
-
-
-def _reason(error: Exception) -> str:
-    # Zenoh's text goes on with its own source lines
-    text = str(error)
-    if "Address already in use" in text:
-        return "the address is already in use"
-    return text.split(" at /", maxsplit=1)[0] or type(error).__name__
 
 
 def reply_json(query: zenoh.Query, key: str, body: bytes) -> None:

@@ -30,6 +30,9 @@ what was expected and what to do about it::
         ├── ServiceFailed
         ├── ServiceNotReady
         ├── EndpointTaken
+        ├── AlreadyRunning
+        ├── RunDirectoryUnusable
+        ├── CertificateRefused
         └── TwoServices
 
 An error that a service answers with arrives at the client as the class that the
@@ -56,7 +59,10 @@ from tsd_casadi.exceptions.learning import (
 )
 from tsd_casadi.exceptions.robot import ParityError, RobotError, RobotFileError, UnknownRobot
 from tsd_casadi.exceptions.services import (
+    AlreadyRunning,
+    CertificateRefused,
     EndpointTaken,
+    RunDirectoryUnusable,
     ServiceError,
     ServiceFailed,
     ServiceNotReady,
@@ -73,8 +79,10 @@ from tsd_casadi.exceptions.values import (
 )
 
 __all__ = [
+    "AlreadyRunning",
     "CacheNotPrivate",
     "CacheNotWritable",
+    "CertificateRefused",
     "CompilationFailed",
     "CompilerNotFound",
     "ControllerError",
@@ -91,6 +99,7 @@ __all__ = [
     "ParityError",
     "RobotError",
     "RobotFileError",
+    "RunDirectoryUnusable",
     "ServiceError",
     "ServiceFailed",
     "ServiceNotReady",

@@ -121,7 +121,9 @@ def open_controller(options: ServiceOptions, robot: Robot) -> Iterator[WholeBody
     if options.controller is ControllerChoice.LOCAL:
         yield compile_with_activity(robot)
         return
-    with RemoteController(robot.name, options.connect or [CONTROLLER]) as remote:
+    with RemoteController(
+        robot.name, options.endpoints(CONTROLLER), zenoh_file=options.zenoh_file()
+    ) as remote:
         if remote.model != robot.fingerprint:
             raise SimulationError(
                 f"the controller service was started with other files of {robot.name} (model "
@@ -137,4 +139,4 @@ def open_learner(options: ConnectOptions) -> RemoteLearner:
     Raises:
         ServiceUnreachable: If no service answers.
     """
-    return RemoteLearner(options.connect or [LEARNER])
+    return RemoteLearner(options.endpoints(LEARNER), zenoh_file=options.zenoh_file())

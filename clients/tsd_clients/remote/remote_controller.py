@@ -25,6 +25,7 @@ from tsd_casadi.wire.endpoints import CONTROLLER
 from tsd_casadi.wire.info import InfoMessage
 from tsd_casadi.wire.keys import info_key, tick_key
 from tsd_casadi.wire.tick_message import REPLY, REQUEST, TickMessage, pack_tick, unpack_tick
+from tsd_casadi.wire.zenoh_file import ZenohFile
 from tsd_clients.remote.session import PATIENCE, Session
 
 TICK_TIMEOUT = 0.5  # s
@@ -50,18 +51,25 @@ class RemoteController:
             instance than the one that is believed, or held no numbers.
     """
 
-    def __init__(self, robot: str, connect: Sequence[str] = (CONTROLLER,)) -> None:
+    def __init__(
+        self,
+        robot: str,
+        connect: Sequence[str] = (CONTROLLER,),
+        *,
+        zenoh_file: ZenohFile | None = None,
+    ) -> None:
         """Connect and ask what the service is.
 
         Args:
             connect: Endpoints of the service.
+            zenoh_file: Certificates and what else the network needs.
 
         Raises:
             ServiceUnreachable: If no service answers.
             TwoServices: If more than one does.
         """
         self._robot = robot
-        self._session = Session("controller", connect, low_latency=True)
+        self._session = Session("controller", connect, zenoh_file=zenoh_file)
         self._sequence = 0
         self.foreign_replies = 0
         try:
