@@ -56,10 +56,12 @@ class Certificates:
             side: 'listen' or 'connect'.
         """
         tls = file.section("transport", "link", "tls")
+        # Zenoh shows a client's certificate only then
+        is_shown = side == "listen" or tls.get("enable_mtls") is True
         return cls(
             authority=tls.get("root_ca_certificate"),
-            certificate=tls.get(f"{side}_certificate"),
-            key=tls.get(f"{side}_private_key"),
+            certificate=tls.get(f"{side}_certificate") if is_shown else None,
+            key=tls.get(f"{side}_private_key") if is_shown else None,
             checks_host=tls.get("verify_name_on_connect") is not False,
         )
 
@@ -137,7 +139,9 @@ class Certificates:
             ) from error
         except ssl.SSLError as error:
             raise CertificateRefused(
-                endpoint, _of_alert(error), "see connect_certificate in --zenoh-config"
+                endpoint,
+                _of_alert(error),
+                "see connect_certificate, connect_private_key and enable_mtls in --zenoh-config",
             ) from error
         except OSError:
             return
