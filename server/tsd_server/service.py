@@ -85,6 +85,13 @@ class Service:
             endpoints=tuple(self._endpoints),
             instance=self.instance,
         )
+        # looked up once: a look at the disk for each query would keep the ticks waiting
+        self._versions = {
+            "tsd_casadi": __version__,
+            "zenoh": version("eclipse-zenoh"),
+            "messages": str(MESSAGES),
+            "tick": str(TICK),
+        }
         self._opened = time.monotonic()
         self._registration = Registration(self._record)
         try:
@@ -176,12 +183,7 @@ class Service:
             pid=self._record.pid,
             started=self._record.started,
             uptime=time.monotonic() - self._opened,
-            versions={
-                "tsd_casadi": __version__,
-                "zenoh": version("eclipse-zenoh"),
-                "messages": str(MESSAGES),
-                "tick": str(TICK),
-            },
+            versions=self._versions,
             answers={name: tally.message() for name, tally in self._tallies.items()},
             ticks=ticks,
             database=database,

@@ -66,6 +66,10 @@ OPEN_TIMEOUT = 1500
 # how many may be in the middle of that; one more is turned away. Four times the
 # thousand silent connections that a running client is measured beside
 ACCEPT_PENDING = 4000
+# of batches that wait for the link of one client. A tick's answer takes two, and a client
+# that reads has no more than four ticks under way: where fewer fit, a moment in which
+# the machine is busy would pass for a client that does not read
+QUEUE = 16
 # what the kernel keeps for a client that does not read [bytes], 100 replies of the
 # largest robot here; more would only arrive later
 SEND_BUFFER = 262_144
@@ -126,6 +130,7 @@ def session_settings(
         transport["unicast"]["accept_timeout"] = ACCEPT_TIMEOUT
         transport["unicast"]["accept_pending"] = ACCEPT_PENDING
         transport["link"]["tcp"] = {"so_sndbuf": SEND_BUFFER}
+        transport["link"]["tx"]["queue"]["size"] = {"data": QUEUE}
     if service == "controller":
         settings["qos"] = {"network": [REPLIES_DROPPED]}
     return settings
