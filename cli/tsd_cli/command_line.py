@@ -46,8 +46,8 @@ and in a third:
 itself in a few minutes, 'tsd motion list' names what else a robot can be asked to do.
 Amplitudes are metres (half of peak to peak), frequencies hertz.
 
-Exit codes: 0 done, 1 refused or failed, 2 wrong usage, 3 the robot fell, 130
-interrupted.
+Exit codes: 0 done, 1 refused or failed, 2 wrong usage, 3 the robot fell, 4 a run
+that began was ended by an error and what there is of it is kept, 130 interrupted.
 """
 
 COMMANDS = (controller, learner, status, simulate, learn, calibrate, query, demo, reproduce)

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import importlib
 import re
+from collections.abc import Callable
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import zenoh
 
 from tsd_casadi.database.database import Database
-from tsd_casadi.exceptions import InvalidValue, MalformedMessage
+from tsd_casadi.database.kept_entries import KeptEntries
+from tsd_casadi.database.reading import Reading
+from tsd_casadi.exceptions import EntryNotFound, InvalidValue, MalformedMessage
+from tsd_casadi.learning.entry import Entry
 from tsd_casadi.wire.feedforward import FeedforwardMessage
+from tsd_casadi.wire.health import DatabaseStateMessage
 from tsd_casadi.wire.keys import (
     ANY_ROBOT,
     database_key,
@@ -30,9 +36,13 @@ from tsd_casadi.wire.learner import (
 from tsd_casadi.wire.question import Question, number
 from tsd_casadi.wire.record import RecordMessage
 from tsd_casadi.wire.suggestion import SuggestionMessage
+from tsd_server.kept_replies import KeptReplies
 from tsd_server.place import Place
 from tsd_server.service import Service, reply_json
+from tsd_server.waiting_line import Later
 
+# last words of the keys
+ANSWERS = ("feedforward", "suggestion", "record", "database", "health")
 # robot chunk of replies to a query for any robot
 EVERY = "all"
 # some ten times the laps of the slowest squat [bytes]
@@ -63,30 +73,29 @@ class LearnerService:
             EndpointTaken: If it cannot listen there.
         """
         self.path = path
-        Database(path).close()  # refuse a wrong file before listening
+        kept = KeptEntries()
+        # a connection for each thread; a wrong file is refused before listening
+        self._database = Database(path, kept)
+        self._exact, self._listing, self._fitting = (Reading(path, kept) for _ in range(3))
+        self._kept_replies = KeptReplies()
         # the first regression would wait seconds for it
         importlib.import_module("sklearn.gaussian_process")
         self._service = Service("learner", ANY_ROBOT, place, subject=str(path.resolve()))
-        self._database: Database | None = None
 
     def run(self) -> None:
         """Serve until SIGINT or SIGTERM."""
         with self._service as service:
-            # one key for all, so that one thread owns the database
-            service.answer("tsd/*/learner/*", self._answer)
+            # what takes its time waits beside what is looked up in an instant
+            self._writes, self._lists, self._fits = (service.line() for _ in range(3))
+            service.answer("tsd/*/learner/*", self._answer, ANSWERS)
             service.run(f"database {self.path}")
+        for opened in (self._exact, self._listing, self._fitting, self._database):
+            opened.close()
 
-    @property
-    def _open_database(self) -> Database:
-        # SQLite wants to be used by the thread that opened it
-        if self._database is None:
-            self._database = Database(self.path)
-        return self._database
-
-    def _answer(self, query: zenoh.Query) -> None:
+    def _answer(self, query: zenoh.Query) -> Later | None:
         key = str(query.key_expr)
         robot = robot_of(key)
-        answers = {
+        answers: dict[str, Callable[[zenoh.Query, str], Later | None]] = {
             feedforward_key(robot): self._feedforward,
             suggestion_key(robot): self._suggestion,
             record_key(robot): self._record,
@@ -95,13 +104,35 @@ class LearnerService:
         }
         if key not in answers:
             raise MalformedMessage(f"key {key}", f"one of {', '.join(answers)}")
-        answers[key](query, robot)
+        return answers[key](query, robot)
 
-    def _feedforward(self, query: zenoh.Query, robot: str) -> None:
+    def _feedforward(self, query: zenoh.Query, robot: str) -> Later | None:
         if robot == ANY_ROBOT:
             raise MalformedMessage("a feedforward for any robot", "the robot's name in the key")
-        asked = Question.of(_texts(query), QUERY)
-        feedforward = self._open_database.query(
+        selector = str(query.selector)
+        body = self._kept_replies.find(selector, self._exact.version())
+        if body is None:
+            asked = Question.of(_texts(query), QUERY)
+            if asked.kind == "generalised":
+                return self._generalise_later(robot, asked)
+            try:
+                body = self._ask(robot, replace(asked, kind="learned"), self._exact)
+            except EntryNotFound:
+                if asked.kind == "learned":
+                    raise
+                return self._generalise_later(robot, asked)
+            self._kept_replies.keep(selector, body, self._exact.version())
+        reply_json(query, feedforward_key(robot), body)
+        return None
+
+    def _generalise_later(self, robot: str, asked: Question) -> Later:
+        def answer(query: zenoh.Query) -> None:
+            reply_json(query, feedforward_key(robot), self._ask(robot, asked, self._fitting))
+
+        return Later(self._fits, answer)
+
+    def _ask(self, robot: str, asked: Question, reading: Reading) -> bytes:
+        feedforward = reading.query(
             asked.motion,
             robot=robot,
             kind=asked.kind,
@@ -112,9 +143,12 @@ class LearnerService:
             **asked.numbers(),
         )
         message = FeedforwardMessage.of(robot, asked.motion, feedforward, self._service.instance)
-        reply_json(query, feedforward_key(robot), message.encode())
+        return message.encode()
 
-    def _suggestion(self, query: zenoh.Query, robot: str) -> None:
+    def _suggestion(self, query: zenoh.Query, robot: str) -> Later:
+        return Later(self._fits, lambda query: self._suggest(query, robot))
+
+    def _suggest(self, query: zenoh.Query, robot: str) -> None:
         if robot == ANY_ROBOT:
             raise MalformedMessage("a suggestion for any robot", "the robot's name in the key")
         asked = Question.of(_texts(query), REGION)
@@ -127,7 +161,7 @@ class LearnerService:
                 region[name] = number(name, low), number(name, high)
             else:
                 fixed[name] = number(name, text)
-        suggestion = self._open_database.suggest(
+        suggestion = self._fitting.suggest(
             asked.motion,
             robot=robot,
             region=region,
@@ -139,7 +173,10 @@ class LearnerService:
         message = SuggestionMessage.of(robot, asked.motion, suggestion, self._service.instance)
         reply_json(query, suggestion_key(robot), message.encode())
 
-    def _record(self, query: zenoh.Query, robot: str) -> None:
+    def _record(self, query: zenoh.Query, robot: str) -> Later:
+        return Later(self._writes, lambda query: self._take_in(query, robot))
+
+    def _take_in(self, query: zenoh.Query, robot: str) -> None:
         if robot == ANY_ROBOT:
             raise MalformedMessage("a recording for any robot", "the robot's name in the key")
         if query.payload is None:
@@ -151,27 +188,34 @@ class LearnerService:
             )
         message = RecordMessage.decode(payload)
         recording = message.recording(robot)
-        entry, notes = self._open_database.record(recording, message.instruction())
+        entry, notes = self._database.record(recording, message.instruction())
         reply = RecordReply(
             instance=self._service.instance, entry=EntryMessage.of(entry), notes=notes
         )
         reply_json(query, record_key(robot), reply.encode())
 
-    def _entries(self, query: zenoh.Query, robot: str) -> None:
-        database, forgotten = self._open_database, None
-        forget = query.parameters.get("forget")
-        if forget is not None:
-            if _ENTRY.fullmatch(str(forget)) is None:
-                raise InvalidValue("forget", repr(str(forget)), "the number of an entry")
-            forgotten = database.forget(int(forget))
-        only = None if robot == ANY_ROBOT else robot
+    def _entries(self, query: zenoh.Query, robot: str) -> Later:
+        if query.parameters.get("forget") is None:
+            return Later(self._lists, lambda query: self._list(query, robot, self._listing))
+        return Later(self._writes, lambda query: self._forget(query, robot))
+
+    def _forget(self, query: zenoh.Query, robot: str) -> None:
+        forget = str(query.parameters.get("forget"))
+        if _ENTRY.fullmatch(forget) is None:
+            raise InvalidValue("forget", repr(forget), "the number of an entry")
+        forgotten = self._database.forget(int(forget))
+        self._list(query, robot, self._database, forgotten)
+
+    def _list(
+        self, query: zenoh.Query, robot: str, reading: Reading, forgotten: Entry | None = None
+    ) -> None:
+        entries, damaged = reading.outlines(None if robot == ANY_ROBOT else robot)
         reply = DatabaseReply(
             instance=self._service.instance,
             database=str(self.path),
-            entries=entry_messages(database.entries(only)),
+            entries=entry_messages(entries),
             damaged=tuple(
-                DamagedMessage(entry=each.identifier, reason=each.reason)
-                for each in database.damaged(only)
+                DamagedMessage(entry=each.identifier, reason=each.reason) for each in damaged
             ),
             forgotten=None if forgotten is None else EntryMessage.of(forgotten),
         )
@@ -180,7 +224,10 @@ class LearnerService:
 
     def _health(self, query: zenoh.Query, robot: str) -> None:
         name = EVERY if robot == ANY_ROBOT else robot
-        reply_json(query, health_key(name, "learner"), self._service.health().encode())
+        state = DatabaseStateMessage(**asdict(self._exact.state()))
+        reply_json(
+            query, health_key(name, "learner"), self._service.health(database=state).encode()
+        )
 
 
 def _texts(query: zenoh.Query) -> dict[str, str]:

@@ -8,8 +8,9 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from importlib.metadata import version
 from types import TracebackType
 from typing import Any, TextIO
@@ -29,16 +30,17 @@ from tsd_server.links import UnhurriedLinks
 from tsd_server.place import Place, Role
 from tsd_server.stop_signals import StopSignals
 from tsd_server.tally import Tally
+from tsd_server.waiting_line import WAITING_QUERIES, Answer, Taken, WaitingLine
 
 JSON = zenoh.Encoding.APPLICATION_JSON
-WAITING_QUERIES = 64
 # how long closing may take: a client that is frozen with a full pipe blocks it [s]
 CLOSING = 0.7
 # how long a thread that answers something else may keep the ticks waiting for the
 # interpreter; with Python's own 5 ms a busy one makes every tick late [s]
 SWITCHING = 0.0005
 
-Answer = Callable[[zenoh.Query], None]
+# where queries are counted on a key with a wildcard that is none of those named
+OTHER = "other"
 
 _log = logging.getLogger(__name__)
 
@@ -75,6 +77,7 @@ class Service:
         self._endpoints = place.endpoints(role)
         self._closing = False
         self._threads: list[threading.Thread] = []
+        self._lines: list[WaitingLine] = []
         self._declared: list[object] = []  # undeclared when forgotten
         self._tallies: dict[str, Tally] = {}
         self._failure: BaseException | None = None
@@ -119,13 +122,15 @@ class Service:
         end = time.monotonic() + CLOSING
         closing = threading.Thread(target=self.session.close, daemon=True)
         closing.start()
+        for line in self._lines:
+            line.close()
         for thread in (closing, *self._threads):
             thread.join(max(0.0, end - time.monotonic()))
         self._signals.close()
         self._registration.close()
         _log.info("%s of %s has closed", self._role, self._record.subject)
 
-    def answer(self, key: str, answer: Answer) -> None:
+    def answer(self, key: str, answer: Answer, names: Sequence[str] = ()) -> None:
         """Answer the queries on a key, one after another.
 
         Under overload the oldest waiting queries are dropped, which their
@@ -133,16 +138,28 @@ class Service:
         would wait with it, keep-alives would stop and every client be cut off.
 
         Args:
-            answer: Replies to one query; a TsdError it raises becomes an error
-                reply.
+            answer: Replies to one query, or says in which line it is to wait; a
+                TsdError it raises becomes an error reply.
+            names: Last words of keys to count by, where the key ends in a wildcard.
         """
         queryable: Any = self.session.declare_queryable(
             key, RingChannel(WAITING_QUERIES), complete=True
         )
         self._declared.append(queryable)
-        tally = self._tallies.setdefault(key.rpartition("/")[2], Tally())
-        waiting = _in_turn(queryable, tally)
-        thread = threading.Thread(target=self._loop, args=(waiting, answer, tally), daemon=True)
+        named = dict.fromkeys([*names, OTHER] if names else [key.rpartition("/")[2]])
+        for name in named:
+            self._tallies.setdefault(name, Tally())
+        self._start(self._in_turn(queryable, answer))
+
+    def line(self) -> WaitingLine:
+        """Make a line with a thread of its own, for queries that would keep others waiting."""
+        line = WaitingLine()
+        self._lines.append(line)
+        self._start(iter(line.take, None))
+        return line
+
+    def _start(self, queries: Iterable[Taken]) -> None:
+        thread = threading.Thread(target=self._loop, args=(queries,), daemon=True)
         self._threads.append(thread)
         thread.start()
 
@@ -189,50 +206,62 @@ class Service:
             database=database,
         )
 
-    def _loop(self, queries: Iterable[zenoh.Query], answer: Answer, tally: Tally) -> None:
+    def _loop(self, queries: Iterable[Taken]) -> None:
         try:
-            for query in queries:
-                self._answer_one(query, answer, tally)
+            for taken in queries:
+                self._answer_one(taken)
         except BaseException as error:
             if not self._closing:
                 self._failure = error
                 self._signals.wake()
 
-    def _answer_one(self, query: zenoh.Query, answer: Answer, tally: Tally) -> None:
-        with query:
-            try:
-                with tally.counting():
-                    answer(query)
-            except TsdError as error:
-                _log.debug("%s refused: %s", query.key_expr, error)
-                query.reply_err(ErrorMessage.of(error).encode(), encoding=JSON)
-            except Exception as error:
-                # the client must not wait for its timeout because of our defect
-                message = ErrorMessage(
-                    format="tsd.error/2",
-                    code="internal",
-                    message=f"{self._role} failed: {type(error).__name__}: {error}",
-                )
-                query.reply_err(message.encode(), encoding=JSON)
-                say(message.message, sys.stderr)
-                _log.info("%s failed", query.key_expr, exc_info=error)
+    def _in_turn(self, queryable: Any, answer: Answer) -> Iterator[Taken]:
+        """Take up queries in the order in which they came, until the session is closed.
 
+        Some of those that have come are taken up before the next is answered, since
+        only what has been taken up can be counted.
+        """
+        waiting: deque[Taken] = deque()
+        for query in queryable:
+            waiting.append(self._take(query, answer))
+            while waiting:
+                while len(waiting) < WAITING_QUERIES and (more := queryable.try_recv()) is not None:
+                    waiting.append(self._take(more, answer))
+                yield waiting.popleft()
 
-def _in_turn(queryable: Any, tally: Tally) -> Iterator[zenoh.Query]:
-    """Take up queries in the order in which they came, until the session is closed.
+    def _take(self, query: zenoh.Query, answer: Answer) -> Taken:
+        name = str(query.key_expr).rpartition("/")[2]
+        tally = self._tallies.get(name) or self._tallies[OTHER]
+        tally.take()
+        return Taken(query, answer, tally)
 
-    Some of those that have come are taken up before the next is answered, since only
-    what has been taken up can be counted.
-    """
-    waiting: deque[zenoh.Query] = deque()
-    for first in queryable:
-        waiting.append(first)
-        while waiting:
-            while len(waiting) < WAITING_QUERIES and (more := queryable.try_recv()) is not None:
-                waiting.append(more)
-            tally.waiting = len(waiting)
-            yield waiting.popleft()
-        tally.waiting = 0
+    def _answer_one(self, taken: Taken) -> None:
+        query, later = taken.query, None
+        try:
+            later = taken.answer(query)
+            if later is None:
+                taken.tally.answer(taken.since)
+        except TsdError as error:
+            taken.tally.refuse(error.code, taken.since)
+            _log.debug("%s refused: %s", query.key_expr, error)
+            query.reply_err(ErrorMessage.of(error).encode(), encoding=JSON)
+        except Exception as error:
+            taken.tally.fail(type(error).__name__, taken.since)
+            # the client must not wait for its timeout because of our defect
+            message = ErrorMessage(
+                format="tsd.error/2",
+                code="internal",
+                message=f"{self._role} failed: {type(error).__name__}: {error}",
+            )
+            query.reply_err(message.encode(), encoding=JSON)
+            say(message.message, sys.stderr)
+            _log.info("%s failed", query.key_expr, exc_info=error)
+        finally:
+            if later is None:
+                # or its client would wait for more
+                taken.drop()
+        if later is not None:
+            later.line.put(replace(taken, answer=later.answer))
 
 
 def say(text: str, stream: TextIO) -> None:

@@ -160,7 +160,7 @@ def queries():
     yield
 
 service = Service("learner", "*", [free_endpoint()])
-threading.Thread(target=service._loop, args=(queries(), None)).start()
+threading.Thread(target=service._loop, args=(queries(),)).start()
 with service:
     service.run("nothing")
 """

@@ -205,12 +205,10 @@ def test_only_strangers_answer(
     controller: tsd.Controller,
     robot: tsd.Robot,
     caplog: pytest.LogCaptureFixture,
-    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("tsd_clients.remote.remote_controller.PATIENCE", 0.3)
     with (
         served(controller.format, delay=0.02) as genuine,
-        RemoteController(robot.name, [genuine.endpoint]) as remote,
+        RemoteController(robot.name, [genuine.endpoint], 0.3) as remote,
         stranger_of(genuine, lambda session: answer_ticks(session, controller.format)),
         caplog.at_level(logging.WARNING),
     ):
@@ -235,15 +233,14 @@ def test_a_copied_id_keeps_the_torque_limit(controller: tsd.Controller, robot: t
 
 
 def test_a_copied_id_with_numbers_that_are_none_is_dropped(
-    controller: tsd.Controller, robot: tsd.Robot, monkeypatch: pytest.MonkeyPatch
+    controller: tsd.Controller, robot: tsd.Robot
 ) -> None:
-    monkeypatch.setattr("tsd_clients.remote.remote_controller.PATIENCE", 0.3)
     with served(controller.format) as genuine:
         genuine.stop_answering_ticks()
         part = answer_ticks(
             genuine.session, controller.format, instance=genuine.instance, torque=np.nan
         )
-        with RemoteController(robot.name, [genuine.endpoint]) as remote:
+        with RemoteController(robot.name, [genuine.endpoint], 0.3) as remote:
             with pytest.raises(ServiceUnreachable, match="no controller answered"):
                 remote.tick(robot.home, remote.command())
             assert remote.foreign_replies > 0
@@ -301,7 +298,7 @@ def test_an_error_that_says_nothing_does_not_hide_the_torque(
 
 
 def test_a_stranger_that_never_answers_does_not_hide_what_the_controller_says(
-    controller: tsd.Controller, robot: tsd.Robot, monkeypatch: pytest.MonkeyPatch
+    controller: tsd.Controller, robot: tsd.Robot
 ) -> None:
     asked = threading.Event()
     kept = []

@@ -298,6 +298,12 @@ EDITED: dict[str, tuple[str, str, str, str]] = {
         "geom floor",
         "the floor",
     ),
+    "a box that is too high": (
+        'type="plane" size="4 4 0.1"',
+        'type="box" size="4 4 0.1" pos="0 0 -0.08"',
+        "geom floor",
+        "the floor",
+    ),
     "no foot": (
         '<geom name="L_foot" class="foot"',
         '<geom name="L_foot" class="visual" type="box"',
@@ -418,6 +424,13 @@ def test_feet_of_any_shape_are_measured(robot: Robot, shape: str) -> None:
     vertices = " ".join(str(x) for corner in corners for x in corner)
     mesh = f'<asset><mesh name="plate" vertex="{vertices}"/></asset><actuator>'
     assert find_discrepancies(robot, _edited(robot, (old, new), ("<actuator>", mesh))) == []
+
+
+def test_a_box_does_for_a_floor_and_obstacles_beside_it_do_not_matter(robot: Robot) -> None:
+    box = 'type="box" size="4 4 0.1" pos="0 0 -0.1"'
+    wall = '<geom type="box" size="0.1 2 1" pos="3 0 1"/><light pos'
+    model = _edited(robot, ('type="plane" size="4 4 0.1"', box), ("<light pos", wall))
+    assert find_discrepancies(robot, model) == []
 
 
 def test_what_overlaps_at_home_is_named(robot: Robot) -> None:

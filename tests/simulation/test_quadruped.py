@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
+import yaml
 
 from tsd_casadi import (
     Command,
@@ -15,8 +17,10 @@ from tsd_casadi import (
     Status,
     compile_controller,
     learn,
+    load_robot,
 )
 from tsd_casadi.motions.hold import hold
+from tsd_casadi.robot.description_path import find_package
 from tsd_casadi.robot.reaching import reach
 from tsd_clients import MujocoSimulator
 from tsd_clients.simulator.parity import measure_parity
@@ -186,6 +190,66 @@ def test_more_force_than_three_legs_may_carry_is_infeasible(
 
     assert ask(quadruped.command(), 0.1 * mini_quadruped.weight) == Status.OK
     assert ask(quadruped.command(), 10 * mini_quadruped.weight) == Status.INFEASIBLE
+
+
+# real ones, of example-robot-data, in scenes that are made in memory
+REAL = {
+    path.stem: path
+    for name in ("go2", "solo12")
+    for path in (Path(__file__).parents[1] / "robots" / name).glob("*.yaml")
+}
+
+
+@pytest.fixture(scope="module", params=REAL)
+def real(request: pytest.FixtureRequest) -> Robot:
+    if find_package("example-robot-data") is None:
+        pytest.skip("example-robot-data is not installed")
+    return load_robot(REAL[request.param])
+
+
+def test_real_quadrupeds_stand_squat_and_learn(real: Robot, tmp_path: Path) -> None:
+    controller = compile_controller(real, on_compile=lambda: None)
+    tick = controller.tick(real.home, controller.command())
+    assert (tick.status, tick.active) == (Status.OK, [])
+    assert sum(w[2] for w in tick.wrenches.values()) == pytest.approx(real.weight, rel=1e-6)
+    with Database(tmp_path / "learned.sqlite") as database:
+        runs = learn(
+            MujocoSimulator(real, 0.1),
+            controller,
+            [Squat(0.03, 0.25)],
+            database,
+            axes=["com.z"],
+            iterations=2,
+            rule="stable",
+        )
+    assert all(run.failures == {} for run in runs)
+    errors = [run.errors["com.z"].rms for run in runs]
+    print(real.name, [errors[0] / error for error in errors])
+    assert errors[0] > 1e-2
+    assert errors[0] / errors[1] > 100
+    assert errors[0] / errors[2] > 5000
+
+
+@pytest.mark.parametrize("turn", [(0.0, 0.0, 0.0), (1.2, -0.7, 2.0)])
+def test_a_ball_is_made_under_the_point_however_its_frame_is_turned(
+    turn: tuple[float, float, float], mini_quadruped: Robot, tmp_path: Path
+) -> None:
+    folder = shutil.copytree(mini_quadruped.path.parent, tmp_path / "mini_quadruped")
+    path = Path(folder) / mini_quadruped.path.name
+    document = yaml.safe_load(path.read_text())
+    del document["scene"]
+    for contact in document["contacts"]:
+        contact["offset"] = {"rpy": list(turn)}
+    path.write_text(yaml.safe_dump(document))
+    robot = load_robot(path)
+    simulator = MujocoSimulator(robot)
+    data = mujoco.MjData(simulator.model)
+    simulator.state_map.write(data, robot.home)
+    mujoco.mj_forward(simulator.model, data)
+    assert data.ncon == 4
+    # as deep as the rounding of the home posture, and straight below the points
+    for place in robot.sole_placements(robot.home.q):
+        assert np.linalg.norm(data.contact.pos - place.translation, axis=1).min() < 1e-6
 
 
 def test_its_static_poses_tell_the_centre_of_mass(

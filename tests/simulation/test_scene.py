@@ -316,6 +316,20 @@ def test_flat_bodies_are_taken_however_they_are_rounded(bare: Robot, what: str) 
         assert parity.mass_matrix < 1e-7
 
 
+def test_rotors_of_the_description_are_in_the_scene(bare: Robot) -> None:
+    bare.model.armature[6:] = np.linspace(0.01, 0.2, bare.n)
+    try:
+        model = build_scene(bare).compile()
+        assert find_discrepancies(bare, model) == []
+        assert measure_parity(bare, model).mass_matrix < 1e-12
+        model.dof_armature[8] = 0.0
+        (found,) = find_discrepancies(bare, model)
+        assert (found.quantity, found.found) == ("armature", "0 kg m^2")
+        assert found.remedy.startswith('set armature="0.')
+    finally:
+        bare.model.armature[6:] = 0.0
+
+
 def test_a_link_without_mass_gets_next_to_none(bare: Robot) -> None:
     last = bare.model.njoints - 1
     kept = bare.model.inertias[last - 1].copy()

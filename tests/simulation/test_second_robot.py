@@ -87,6 +87,9 @@ def test_it_squats(mini_biped: Robot, its_controller: Controller) -> None:
 
 # the robot that a command takes if none is named
 DEFAULTS = {
+    # help that shows what can be typed
+    "cli/tsd_cli/commands/robot.py": r"^      tsd robot new --package g1 .*$",
+    "cli/tsd_cli/options/proposal.py": r'^ +help="Robot of the package example-robot-data, .*$',
     "cli/tsd_cli/options/robot.py": r'^    \] = "hermes_lower"$',
     "server/tsd_server/__main__.py": r'^ +default="hermes_lower",$',
     "experiments/tsd_experiments/beyond/any_motion/__main__.py": (
@@ -108,11 +111,12 @@ def sources() -> list[Path]:
 def test_no_source_knows_a_robot_by_name() -> None:
     names = list(tsd_models.robot_files())
     assert names
+    named = re.compile(rf"\b({'|'.join(names)})\b")
     found = []
     for path in sources():
         default = DEFAULTS.get(str(path.relative_to(ROOT)), "^$")
         for number, line in enumerate(path.read_text().splitlines(), start=1):
-            if any(name in line for name in names) and not re.match(default, line):
+            if named.search(line) and not re.match(default, line):
                 found.append(f"{path.relative_to(ROOT)}:{number}: {line.strip()}")
     assert found == []
 

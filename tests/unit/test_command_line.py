@@ -111,7 +111,9 @@ def test_what_every_option_was_called_it_is_still_called(tsd: Tsd) -> None:
     motion = "--amplitude --frequency --height --axes"
     repetition = "--laps --period --p-scale --d-scale --com-correction --seed"
     single = "--feedforward --json --log"
-    learning = "--iterations --restart --rule --patience --first --auto --region"
+    learning = (
+        "--pace --patience --iterations --restart --rule --stop-after --first --auto --region"
+    )
     calibration = "--out --poses --noise --inclinometer --mass-prior --center-prior"
     for option in " ".join((shared, motion, repetition, single, learning, calibration)).split():
         assert f" {option} " in text, option

@@ -668,6 +668,8 @@ def _older_and_damaged(path: Path, parameters: str) -> None:
 def _without_a_column(path: Path) -> None:
     Database(path).close()
     with closing(sqlite3.connect(path)) as other:
+        other.execute("DROP TRIGGER event_added")
+        other.execute("DROP VIEW entry_state_of_rows")
         other.execute("ALTER TABLE event DROP COLUMN correction")
         other.commit()
 
@@ -783,13 +785,10 @@ def test_a_locked_database_is_reported_and_works_again_afterwards(path: Path) ->
     with Database(path) as database, closing(sqlite3.connect(path)) as other:
         database.record(recording())
         other.execute("BEGIN EXCLUSIVE")
-        for attempt in (
-            lambda: database.record(recording(0.05)),
-            lambda: database.query("squat", amplitude=0.03, frequency=0.25),
-            lambda: database.forget(1),
-        ):
+        for attempt in (lambda: database.record(recording(0.05)), lambda: database.forget(1)):
             with pytest.raises(DatabaseError, match=r"locked.*another process holds it"):
                 attempt()
+        assert database.query("squat", amplitude=0.03, frequency=0.25).kind == "learned"
         other.rollback()
         database.record(recording(0.05))
         assert len(database.entries()) == 2
@@ -819,7 +818,7 @@ entry, _ = database.record(t.recording(error=1e-3))
 database.record(t.recording(0.05))
 file = database._file
 with file.transaction():
-    database._rows.forget(entry.identifier, "")
+    database._new_rows.forget(entry.identifier, "")
     # as if the pages had been written out before the end of the transaction
     file.connection.execute("PRAGMA cache_spill = 1")
     file.connection.execute("DROP TRIGGER iteration_UPDATE")
@@ -831,7 +830,7 @@ with file.transaction():
 def test_a_process_that_dies_inside_a_transaction_loses_nothing(path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", DYING, str(path), __file__], timeout=60)
     assert done.returncode == 9
-    assert path.with_name(f"{path.name}-journal").stat().st_size > 0  # it was half written
+    assert path.with_name(f"{path.name}-wal").stat().st_size > 5_000_000  # it was half written
     with Database(path) as database:
         entries = database.entries()
         assert [dict(entry.key.parameters)["amplitude"] for entry in entries] == [0.03, 0.05]
@@ -871,15 +870,13 @@ def test_what_was_answered_is_kept_when_the_process_is_killed(path: Path) -> Non
 
 
 @pytest.mark.usefixtures("impatient")
-def test_a_reader_that_blocks_one_record_does_not_block_the_next(path: Path) -> None:
+def test_a_reader_keeps_nobody_from_recording(path: Path) -> None:
     with Database(path) as database, closing(sqlite3.connect(path)) as reader:
         database.record(recording())
         reader.execute("BEGIN")
-        reader.execute("SELECT * FROM entry").fetchall()
-        with pytest.raises(DatabaseError, match="locked"):
-            database.record(recording(0.05))
-        reader.rollback()
+        before = reader.execute("SELECT * FROM entry").fetchall()
         database.record(recording(0.05))
+        assert reader.execute("SELECT * FROM entry").fetchall() == before
         assert len(database.entries()) == 2
 
 
@@ -1669,7 +1666,7 @@ def test_what_later_versions_fill_is_kept_already(path: Path, tmp_path: Path) ->
         entry, _ = database.record(recording())
         entry.iterations[1].epoch, entry.iterations[1].uncertainty = 3, uncertainty
         with database._file.transaction("IMMEDIATE"):
-            database._rows.add(entry, "recorded")
+            database._new_rows.add(entry, "recorded")
         database.export(tmp_path / "learned.jsonl")
     with Database(path) as database, Database(tmp_path / "other.sqlite") as other:
         other.import_(tmp_path / "learned.jsonl")

@@ -52,6 +52,11 @@ CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
         {"command": ["gcc", "-O2", "a.c"], "output": "first\nsecond\nlast"},
         ["gcc -O2 a.c", "last"],
     ),
+    "ControllerSilent": (
+        (30.0, "late"),
+        {"patience": 30.0, "why": "late"},
+        ["30 s (late)", "fallback", "--patience"],
+    ),
     "CacheNotPrivate": ((HERE,), {"path": HERE}, [str(HERE), "chmod 700", "TSD_CACHE_DIR"]),
     "CacheNotWritable": (
         (HERE, "No space left on device"),

@@ -13,7 +13,7 @@ def test_every_rule_can_be_chosen() -> None:
     assert {choice.value for choice in RuleChoice} == RULES.keys()
 
 
-def test_help_tells_the_patience_of_each_rule() -> None:
-    (option,) = get_type_hints(LearningOptions, include_extras=True)["patience"].__metadata__
+def test_help_tells_when_each_rule_stops() -> None:
+    (option,) = get_type_hints(LearningOptions, include_extras=True)["stop_after"].__metadata__
     told = {name: int(count) for count, name in re.findall(r"(\d+) with --rule (\w+)", option.help)}
     assert told == {rule.name: rule.patience for rule in RULES.values() if rule.patience}

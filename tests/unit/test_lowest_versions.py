@@ -12,6 +12,8 @@ def bounds() -> dict[str, str]:
     extras = project["optional-dependencies"].values()
     lowest: dict[str, str] = {}
     for requirement in (*project["dependencies"], *(name for extra in extras for name in extra)):
+        if requirement.startswith(f"{project['name']}["):
+            continue  # one extra that brings another
         match = BOUND.fullmatch(requirement)
         assert match, f"{requirement}: a lower bound is missing"
         name, version, _ = match.groups()

@@ -33,6 +33,7 @@ def run_of(errors: list[float], measured: list[bool] | None = None, **changes: A
         "true_error": 2 * error,
         "feedback": -50 * error,
         "tick_us": np.arange(1.0, count + 1),
+        "missed": np.zeros(count, dtype=int),
     }
     lap = Lap(np.arange(4.0), np.zeros((2, 4)))
     values: dict[str, Any] = {

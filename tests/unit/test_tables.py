@@ -48,6 +48,8 @@ SUMMARY: dict[str, Any] = {
     "fell": False,
     "steady": True,
     "failures": {},
+    "missed": {},
+    "aborted": None,
 }
 TURNED = {
     "unit": "rad",
@@ -127,6 +129,8 @@ def test_each_axis_of_a_run_has_its_row_and_its_unit() -> None:
         ({"fell": True, "steady": False}, "fell"),
         ({"steady": False}, "never steady"),
         ({"failures": {"infeasible": 3}}, "3 ticks infeasible"),
+        ({"missed": {"nothing there": 4}}, "4 periods missed, nothing there"),
+        ({"aborted": "no torque"}, "aborted"),
     ],
 )
 def test_what_went_wrong_is_said_beside_the_label(changes: dict[str, Any], remark: str) -> None:

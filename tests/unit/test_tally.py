@@ -1,29 +1,28 @@
 from __future__ import annotations
 
 import threading
+import time
 
-import pytest
-
-from tsd_casadi.exceptions import InvalidValue
 from tsd_server.tally import Tally
 
 
 def test_answers_refusals_and_failures_are_counted_by_kind() -> None:
     tally = Tally()
-    with tally.counting():
-        pass
-    for _ in range(2):
-        with pytest.raises(InvalidValue), tally.counting():
-            raise InvalidValue("amplitude", 5, "less")
-    with pytest.raises(ZeroDivisionError), tally.counting():
-        _ = 1 / 0
-    tally.waiting = 3
+    for _ in range(5):
+        tally.take()
+    now = time.perf_counter()
+    tally.answer(now)
+    tally.refuse("invalid_value", now)
+    tally.refuse("invalid_value", now)
+    tally.fail("ZeroDivisionError", now - 60.0)
+    tally.drop()
     message = tally.message()
     assert message.answered == 1
     assert message.refused == {"invalid_value": 2}
     assert message.failed == {"ZeroDivisionError": 1}
-    assert message.waiting == 3
+    assert message.waiting == 4
     assert sum(message.latency.counts) == 4
+    assert message.latency.counts[-1] == 1
 
 
 def test_none_is_lost_between_threads() -> None:
@@ -31,8 +30,9 @@ def test_none_is_lost_between_threads() -> None:
 
     def count() -> None:
         for _ in range(2000):
-            with tally.counting():
-                pass
+            tally.take()
+            tally.answer(time.perf_counter())
+            tally.drop()
 
     threads = [threading.Thread(target=count) for _ in range(4)]
     for thread in threads:
@@ -40,4 +40,5 @@ def test_none_is_lost_between_threads() -> None:
     for thread in threads:
         thread.join()
     message = tally.message()
+    assert message.waiting == 0
     assert message.answered == sum(message.latency.counts) == 8000

@@ -43,7 +43,7 @@ def add_ticks(log: TickLog, level: float, lap: int, count: int = TICKS) -> None:
 def log_of(*levels: float) -> TickLog:
     """Ticks of a hold, then whole laps."""
     log = TickLog()
-    reply = SimpleNamespace(slice=lambda name: slice(2, 4))
+    reply = SimpleNamespace(size=4, slice=lambda name: slice(2, 4))
     controller = SimpleNamespace(format=SimpleNamespace(reply=reply))
     setting: Any = SimpleNamespace(index=INDEX, controller=controller)
     log.start(setting)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 
-from tsd_casadi.database.answering import Answering, by_axes, newest
+from tsd_casadi.database.answering import Answering, by_axes
 from tsd_casadi.database.damaged_entry import DamagedEntry
+from tsd_casadi.database.entry_index import EntryIndex, Group, IndexedEntry, Parameters
+from tsd_casadi.database.entry_rows import EntryRows
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue, OutsideTrainedRange
 from tsd_casadi.generalization.entry_regression import (
+    MOST_ENTRIES,
+    MOST_TOLD,
     EntryRegressions,
     describe_entries,
     describe_motion,
@@ -18,109 +21,148 @@ from tsd_casadi.generalization.suggestion import Region, Suggestion, suggest
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.motions.declaration import Declaration
 
 
 class Answers:
-    """Answers from entries, with regressions that are fitted again only when those changed."""
+    """Answers questions on one motion of one robot, in the reader's transaction."""
 
-    def __init__(self, path: Path) -> None:
-        """Fit nothing yet.
-
-        Args:
-            path: Of the database, for errors.
-        """
-        self._path = path
-        self._regressions = EntryRegressions()
-
-    def feedforward(
+    def __init__(
         self,
+        robot: str,
         answering: Answering,
-        damaged: Sequence[DamagedEntry],
-        parameters: Mapping[str, float],
-        *,
-        kind: str | None,
-        extrapolate: bool,
-        axes: Sequence[str] | None,
-    ) -> Feedforward:
-        """Look up or generalise; see ``Database.query``.
+        declaration: Declaration,
+        index: EntryIndex,
+        rows: EntryRows,
+    ) -> None:
+        """Take what is asked about.
 
         Args:
             answering: The entries that may.
-            damaged: Those of the motion that nobody can read.
+            declaration: What was said last of the motion.
         """
-        if kind not in (None, "learned", "generalised"):
-            raise InvalidValue("kind", repr(kind), "learned or generalised")
-        motion = answering.declaration.motion
-        complete = answering.declaration.complete(parameters)
-        wanted = EntryKey.of("", motion, "", (), complete).parameters
-        if kind in (None, "learned"):
-            for group in answering.groups:
-                exact = [entry for entry in group if entry.key.parameters == wanted]
-                for same_axes in by_axes(exact, axes)[:1]:
-                    entry = newest(same_axes)
-                    return _told(entry.feedforward(), answering, entry)
-            for each in damaged:
-                if each.may_be(wanted):
-                    raise each.error(self._path)
-        if kind == "learned":
-            raise EntryNotFound(
-                f"no entry for {describe_motion(motion, wanted)}; there is "
-                f"{describe_entries(answering.entries)}{_elsewhere(answering)}. Learn it with "
-                f"'tsd learn {motion}', or ask for a generalised feedforward"
+        self._robot = robot
+        self._answering = answering
+        self._declaration = declaration
+        self._index = index
+        self._rows = rows
+
+    def exact(
+        self, parameters: Mapping[str, float], axes: Sequence[str] | None
+    ) -> Feedforward | DamagedEntry | None:
+        """Look up the entry of these parameters, and decode what it serves.
+
+        Returns:
+            The feedforward, or what keeps it from being read; None without an entry.
+        """
+        first: DamagedEntry | None = None
+        answering = self._answering
+        found = self._index.at(self._robot, answering.motion, self._wanted(parameters))
+        for group in answering.groups:
+            for same_axes in by_axes([each for each in found if _is_of(each, group)], axes):
+                for indexed in sorted(same_axes, key=lambda each: each.age, reverse=True):
+                    entry = self._rows.served(indexed)
+                    if isinstance(entry, Entry):
+                        return self._told(entry.feedforward(), indexed.key)
+                    first = first or entry
+        return first
+
+    def comparable(self, axes: Sequence[str] | None) -> list[list[Entry]]:
+        """Read entries with what they serve, by context and axes, those to be preferred first.
+
+        Raises:
+            InvalidValue: If they are too many.
+        """
+        if self._answering.size > MOST_ENTRIES:
+            raise InvalidValue(
+                f"entries of the {self._answering.motion} to be compared",
+                str(self._answering.size),
+                f"at most {MOST_ENTRIES}: forget some, or ask for parameters that were learned",
             )
-        return self._generalize(answering, dict(wanted), extrapolate, axes)
+        found = []
+        for groups in self._answering.groups:
+            entries = [each for group in groups for each in self._of(group, MOST_ENTRIES)]
+            entries.sort(key=lambda each: each.identifier)
+            found += by_axes(entries, axes)
+        read = ([self._rows.served(each) for each in same] for same in found)
+        readable = ([each for each in same if isinstance(each, Entry)] for same in read)
+        return [same for same in readable if same]
+
+    def generalised(
+        self,
+        comparable: Iterable[list[Entry]],
+        parameters: Mapping[str, float],
+        regressions: EntryRegressions,
+        *,
+        extrapolate: bool,
+    ) -> Feedforward:
+        """Generalise over the first of the comparable entries that are enough."""
+        wanted = dict(self._wanted(parameters))
+        first: EntryNotFound | OutsideTrainedRange | None = None
+        for entries in comparable:
+            try:
+                predicted = regressions.generalize(self._declaration, entries, wanted, extrapolate)
+            except (EntryNotFound, OutsideTrainedRange) as error:
+                first = first or error
+            else:
+                return self._told(predicted, entries[0].key)
+        if first is not None:
+            raise first
+        motion = self._declaration.motion
+        raise EntryNotFound(
+            f"nothing to generalise {describe_motion(motion, wanted.items())} from; there is "
+            f"{self._described()}. Learn some with 'tsd learn {motion}'"
+        )
 
     def suggestion(
         self,
-        answering: Answering,
+        comparable: Sequence[list[Entry]],
         region: Region,
         parameters: Mapping[str, float],
-        axes: Sequence[str] | None,
+        regressions: EntryRegressions,
     ) -> Suggestion:
-        """Choose where to learn next; see ``Database.suggest``.
+        """Choose where to learn next, by the first of the comparable entries."""
+        answering = self._answering
+        used = comparable[0] if comparable else []
+        place = suggest(self._declaration, used, regressions, region, parameters)
+        provenance = answering.provenance(used[0].key) if used else {"others": answering.others}
+        return replace(place, provenance=provenance, declaration=self._declaration)
 
-        Args:
-            answering: The entries that count.
-        """
-        groups = [same for group in answering.groups for same in by_axes(group, axes)]
-        used = groups[0] if groups else []
-        place = suggest(answering.declaration, used, self._regressions, region, parameters)
-        provenance = answering.provenance(used[0]) if used else {"others": answering.others}
-        return replace(place, provenance=provenance, declaration=answering.declaration)
-
-    def _generalize(
-        self,
-        answering: Answering,
-        wanted: dict[str, float],
-        extrapolate: bool,
-        axes: Sequence[str] | None,
-    ) -> Feedforward:
-        """Generalise over the first entries that are enough, of one context and set of axes."""
-        first: EntryNotFound | OutsideTrainedRange | None = None
-        declaration = answering.declaration
-        for group in answering.groups:
-            for same_axes in by_axes(group, axes):
-                try:
-                    predicted = self._regressions.generalize(
-                        declaration, same_axes, wanted, extrapolate
-                    )
-                except (EntryNotFound, OutsideTrainedRange) as error:
-                    first = first or error
-                else:
-                    return _told(predicted, answering, same_axes[0])
-        if first is not None:
-            raise first
-        raise EntryNotFound(
-            f"nothing to generalise {describe_motion(declaration.motion, wanted.items())} from; "
-            f"there is {describe_entries(answering.entries)}{_elsewhere(answering)}. Learn some "
-            f"with 'tsd learn {declaration.motion}'"
+    def not_learned(self, parameters: Mapping[str, float]) -> EntryNotFound:
+        """Make the error of who asked for an exact entry."""
+        motion = self._declaration.motion
+        return EntryNotFound(
+            f"no entry for {describe_motion(motion, self._wanted(parameters))}; there is "
+            f"{self._described()}. Learn it with 'tsd learn {motion}', or ask for a generalised "
+            "feedforward"
         )
 
+    def _wanted(self, parameters: Mapping[str, float]) -> Parameters:
+        complete = self._declaration.complete(parameters)
+        return EntryKey.of("", self._answering.motion, "", (), complete).parameters
 
-def _told(feedforward: Feedforward, answering: Answering, used: Entry) -> Feedforward:
-    provenance = {**feedforward.provenance, **answering.provenance(used)}
-    return replace(feedforward, provenance=provenance)
+    def _of(self, group: Group, most: int) -> list[IndexedEntry]:
+        motion = self._answering.motion
+        return self._index.of_group(self._robot, motion, group.version, group.context, most)
+
+    def _told(self, feedforward: Feedforward, used: EntryKey) -> Feedforward:
+        provenance = {**feedforward.provenance, **self._answering.provenance(used)}
+        return replace(feedforward, provenance=provenance)
+
+    def _described(self) -> str:
+        """Tell people what there is: some of it by name."""
+        answering = self._answering
+        found = [
+            each.key
+            for groups in answering.groups
+            for group in groups
+            for each in self._of(group, MOST_TOLD)
+        ]
+        elsewhere = f" (and {answering.others} of other contexts)" if answering.others else ""
+        return describe_entries(found, answering.size) + elsewhere
 
 
-def _elsewhere(answering: Answering) -> str:
-    return f" (and {answering.others} of other contexts)" if answering.others else ""
+def _is_of(entry: IndexedEntry, groups: Sequence[Group]) -> bool:
+    return any(
+        (entry.key.version, entry.key.context) == (group.version, group.context) for group in groups
+    )

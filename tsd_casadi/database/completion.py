@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
-from tsd_casadi.database.answering import declaration_of
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.recording import Recording
+from tsd_casadi.motions.declaration import Declaration
 
 
-def complete(recording: Recording, entries: Sequence[Entry]) -> Recording:
+def complete(recording: Recording, said: Declaration) -> Recording:
     """Check the parameters of a recording, and fill in those with a default.
 
     Args:
-        entries: Of the motion on the same robot: what was said last counts where
-            the recording says nothing.
+        said: What was said last of the motion, on the same robot; it counts where the
+            recording says nothing.
 
     Raises:
         InvalidValue: If the declaration is of another motion, or a parameter is
             missing or makes no sense.
     """
     key = recording.key
-    declaration = recording.declaration or declaration_of(key.motion, key.version, entries)
+    declaration = recording.declaration or said
     if (declaration.motion, declaration.version) != (key.motion, key.version):
         raise InvalidValue(
             "declaration",

@@ -15,16 +15,15 @@ class DamagedEntry:
     Attributes:
         identifier: Its number.
         reason: What is wrong with it.
-        parameters: Of the motion, as in a key; None if they are damaged too.
     """
 
     identifier: int
     reason: str
-    parameters: tuple[tuple[str, float], ...] | None = None
 
-    def may_be(self, parameters: tuple[tuple[str, float], ...]) -> bool:
-        """Say whether it may be the entry of these parameters of the same motion."""
-        return self.parameters in (None, parameters)
+    @classmethod
+    def of(cls, identifier: int, error: Exception) -> DamagedEntry:
+        """Take the reason from an error of reading it."""
+        return cls(identifier, " ".join(str(error).split()))
 
     def error(self, path: Path) -> DatabaseError:
         """Make the error of whoever needs it.

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from tsd_casadi.database.derived import derive, is_derived
 from tsd_casadi.database.migration import migrate
 from tsd_casadi.database.schema import SCHEMA_VERSION, check_tables, make_tables, read_version
 from tsd_casadi.exceptions import DatabaseError, InvalidValue
@@ -18,7 +19,7 @@ class DatabaseFile:
 
     Attributes:
         path: The file.
-        connection: SQLite's, for the thread that opened it only.
+        connection: SQLite's, for one thread at a time.
     """
 
     def __init__(self, path: Path) -> None:
@@ -34,15 +35,8 @@ class DatabaseFile:
                 f"cannot be opened (there is no folder {path.parent})",
                 "name a file in a folder you may write to, or make that one",
             )
+        self.connection = _connect(path)
         try:
-            self.connection = sqlite3.connect(path, isolation_level=None)
-        except sqlite3.Error as error:
-            raise DatabaseError(
-                path, f"cannot be opened ({error})", "name a file in a folder you may write to"
-            ) from error
-        try:
-            # damaged text is for the checksums to tell
-            self.connection.text_factory = lambda text: text.decode(errors="replace")
             self._prepare()
         except sqlite3.OperationalError as error:
             self.close()
@@ -67,9 +61,34 @@ class DatabaseFile:
                 "name another file with --database; this one was not changed",
             ) from error
 
+    @classmethod
+    def to_read(cls, path: Path) -> DatabaseFile:
+        """Open a file for reading that another connection has prepared, and keeps open.
+
+        Raises:
+            DatabaseError: If it cannot be opened.
+        """
+        file = cls.__new__(cls)
+        file.path, file.connection = path, _connect(path)
+        file.execute("PRAGMA query_only = ON")
+        return file
+
     def close(self) -> None:
         """Close the file."""
         self.connection.close()
+
+    def version(self) -> tuple[int, int]:
+        """Tell what changes whenever anybody writes; inside a transaction, before it."""
+        (theirs,) = self.execute("PRAGMA data_version")[0]
+        return theirs, self.connection.total_changes
+
+    def size(self) -> int:
+        """Tell the size of the file and of what is not yet merged into it [bytes]."""
+        return sum(
+            path.stat().st_size
+            for path in (self.path, self.path.with_name(f"{self.path.name}-wal"))
+            if path.exists()
+        )
 
     def _prepare(self) -> None:
         """Make the tables of a new file, bring an older file up to date, check them."""
@@ -83,9 +102,15 @@ class DatabaseFile:
                 migrate(self.connection, self.path, version)
             self.connection.execute("COMMIT")
         check_tables(self.connection)
+        with suppress(sqlite3.OperationalError):
+            # readers and a writer do not wait for one another; where the file system or an
+            # older program that has the file open does not let us, they do, and that is all
+            self.connection.execute("PRAGMA journal_mode = WAL")
         # a file that cannot be written to is told now, not at the first recording
         self.connection.execute("BEGIN IMMEDIATE")
         self.connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+        if not is_derived(self.connection):
+            derive(self.connection)
         self.connection.execute("COMMIT")
         self.connection.execute("PRAGMA foreign_keys = ON")
 
@@ -102,11 +127,14 @@ class DatabaseFile:
         try:
             return self.connection.execute(statement, values).fetchall()
         except sqlite3.Error as error:
-            raise DatabaseError(
-                self.path,
-                f"cannot be read or written ({error})",
-                "check free disk space, permissions and whether another process holds it",
-            ) from error
+            raise self._unusable(error) from error
+
+    def read(self, statement: str, values: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+        """Run a statement and read its rows as they are asked for; see ``execute``."""
+        try:
+            yield from self.connection.execute(statement, values)
+        except sqlite3.Error as error:
+            raise self._unusable(error) from error
 
     @contextmanager
     def transaction(self, kind: str = "DEFERRED") -> Iterator[None]:
@@ -126,3 +154,22 @@ class DatabaseFile:
             # after a failure, a failed COMMIT included, unless SQLite did it itself
             if self.connection.in_transaction:
                 self.connection.rollback()
+
+    def _unusable(self, error: sqlite3.Error) -> DatabaseError:
+        return DatabaseError(
+            self.path,
+            f"cannot be read or written ({error})",
+            "check free disk space, permissions and whether another process holds it",
+        )
+
+
+def _connect(path: Path) -> sqlite3.Connection:
+    try:
+        connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
+    except sqlite3.Error as error:
+        raise DatabaseError(
+            path, f"cannot be opened ({error})", "name a file in a folder you may write to"
+        ) from error
+    # damaged text is for the checksums to tell
+    connection.text_factory = lambda text: text.decode(errors="replace")
+    return connection

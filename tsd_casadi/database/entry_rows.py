@@ -1,41 +1,120 @@
-"""Entries as rows of the tables."""
+"""Entries read from rows of the tables: whole, without weights, or with those that are served."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import suppress
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import Any
 
-from tsd_casadi.database.checksum import with_checksum
-from tsd_casadi.database.columns import entry_columns, event_columns, iteration_columns
 from tsd_casadi.database.damaged_entry import DamagedEntry
 from tsd_casadi.database.database_file import DatabaseFile
-from tsd_casadi.database.rows import EntryRow, EventKind, EventRow, IterationRow, build
-from tsd_casadi.learning.context import NOWHERE
+from tsd_casadi.database.entry_index import IndexedEntry
+from tsd_casadi.database.kept_entries import KeptEntries
+from tsd_casadi.database.rows import EntryRow, EventRow, IterationOutline, IterationRow, build
+from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.learning.entry import Entry
-from tsd_casadi.learning.entry_key import EntryKey
+from tsd_casadi.motions.declaration import Declaration
 
+COLUMNS = {
+    "entry": (*EntryRow.model_fields, "checksum"),
+    "event": (*EventRow.model_fields, "checksum"),
+    "iteration": (*IterationRow.model_fields, "checksum"),
+}
 _NOT_FORGOTTEN = "id NOT IN (SELECT entry FROM event WHERE kind = 'forgotten')"
+# the newest row of each iteration
+_NEWEST = (
+    "entry = ? AND event = (SELECT max(event) FROM iteration AS other "
+    "WHERE other.entry = iteration.entry AND other.number = iteration.number) ORDER BY number"
+)
+
+Columns = dict[str, Any]
+Read = tuple[list[Entry], list[DamagedEntry]]
 
 
 class EntryRows:
-    """Reads entries and adds to them; the caller begins and ends the transactions."""
+    """Reads entries; the caller begins and ends the transactions."""
 
-    def __init__(self, file: DatabaseFile) -> None:
-        """Take an open file."""
+    def __init__(self, file: DatabaseFile, kept: KeptEntries) -> None:
+        """Take an open file.
+
+        Args:
+            kept: What was decoded before.
+        """
         self._file = file
+        self._kept = kept
 
-    def read(
-        self, robot: str | None = None, motion: str | None = None
-    ) -> tuple[list[Entry], list[DamagedEntry]]:
+    def read(self, robot: str | None = None, motion: str | None = None) -> Read:
         """Read entries, in the order of their identifiers, and which are damaged.
 
         Args:
             robot: Only of this robot.
             motion: Only of this motion.
         """
-        rows = self._select(
+        return self._read(IterationRow, robot, motion)
+
+    def outlines(self, robot: str | None = None, motion: str | None = None) -> Read:
+        """Read entries without their weights; arguments as above."""
+        return self._read(IterationOutline, robot, motion)
+
+    def entry(self, identifier: int) -> Entry | DamagedEntry:
+        """Read one entry anew, or say why it cannot be."""
+        rows = select(self._file, "entry", "id = ?", (identifier,))
+        try:
+            if not rows:
+                raise MalformedMessage("no row of it", "one")
+            return self._build(rows[0], self.iterations(identifier), IterationRow)
+        except ValueError as error:  # of pydantic, or one of ours for shapes and rules
+            return self._damaged(identifier, error)
+
+    def served(self, indexed: IndexedEntry) -> Entry | DamagedEntry:
+        """Read an entry with the weights that it serves and no others, or take the one kept.
+
+        Args:
+            indexed: As the index knows it.
+
+        Returns:
+            The entry, not to be changed.
+        """
+        identifier = indexed.identifier
+        kept = self._kept.find(identifier, indexed.event)
+        if kept is not None:
+            return kept
+        try:
+            rows = select(self._file, "entry", "id = ?", (identifier,))
+            iterations = self.iterations(identifier)
+            entry = self._build(rows[0], iterations, IterationOutline)
+            if entry.key != indexed.key:
+                raise MalformedMessage(
+                    f"an index that has it as {indexed.key.describe()}", "it as its rows say"
+                )
+            served = entry.served
+            place = next(i for i, each in enumerate(entry.iterations) if each is served)
+            row = IterationRow.of_checked(iterations[place])
+            entry.iterations[place] = row.iteration(entry.key.axes, entry.basis.L)
+        except (ValueError, IndexError) as error:
+            return self._damaged(identifier, error)
+        self._kept.keep(indexed.event, entry)
+        return entry
+
+    def declaration(self, event: int) -> Declaration | None:
+        """Read what an event said of a motion; None if it is damaged."""
+        for row in select(self._file, "event", "id = ?", (event,)):
+            try:
+                return EventRow.check(row).declaration
+            except ValueError:  # the entry says so when it is read
+                return None
+        return None
+
+    def exists(self, identifier: int) -> bool:
+        """Say whether there is an entry of that number, readable or not."""
+        return bool(select(self._file, "entry", f"id = ? AND {_NOT_FORGOTTEN}", (identifier,)))
+
+    def iterations(self, identifier: int) -> list[Columns]:
+        """Read the newest row of each iteration of an entry."""
+        return select(self._file, "iteration", _NEWEST, (identifier,))
+
+    def _read(self, kind: type[IterationOutline], robot: str | None, motion: str | None) -> Read:
+        rows = select(
+            self._file,
             "entry",
             f"(? IS NULL OR robot = ?) AND (? IS NULL OR motion = ?) AND {_NOT_FORGOTTEN} "
             "ORDER BY id",
@@ -44,121 +123,36 @@ class EntryRows:
         entries, damaged = [], []
         for row in rows:
             try:
-                entries.append(self._entry(row))
-            except ValueError as error:  # of pydantic, or one of ours for shapes and rules
-                reason = " ".join(str(error).split())
-                damaged.append(DamagedEntry(row["id"], reason, _parameters(row)))
+                entries.append(self._build(row, self.iterations(row["id"]), kind))
+            except ValueError as error:
+                damaged.append(self._damaged(row["id"], error))
         return entries, damaged
 
-    def find(self, key: EntryKey) -> Entry | None:
-        """Find the entry of a key; one of unknown context where there is no other.
-
-        Raises:
-            DatabaseError: If the entry with these parameters is damaged.
-        """
-        entries, damaged = self.read(key.robot, key.motion)
-        for wanted in (key, replace(key, context=NOWHERE)):
-            for entry in entries:
-                if entry.key == wanted:
-                    return entry
-        for each in damaged:
-            if each.may_be(key.parameters):
-                raise each.error(self._file.path)
-        return None
-
-    def exists(self, identifier: int) -> bool:
-        """Say whether there is an entry of that number, readable or not."""
-        return bool(self._select("entry", f"id = ? AND {_NOT_FORGOTTEN}", (identifier,)))
-
-    def add(self, entry: Entry, kind: EventKind) -> None:
-        """Add what is new of an entry; a new one gets its identifier.
-
-        Args:
-            kind: What happened to it.
-        """
-        event = self._next("event")
-        if not entry.identifier:
-            entry.identifier = self._next("entry")
-            self._insert("entry", entry_columns(entry))
-        self._insert("event", event_columns(entry, event, kind))
-        if kind == "recorded":
-            entry.sequence = event
-        known = {row["number"]: row for row in self._iterations(entry.identifier)}
-        for iteration in entry.iterations:
-            columns = iteration_columns(entry.identifier, event, iteration)
-            before = known.get(iteration.number)
-            if before is None or any(
-                before[name] != value for name, value in columns.items() if name != "event"
-            ):
-                self._insert("iteration", columns)
-
-    def forget(self, identifier: int, time: str) -> None:
-        """Note that an entry counts no more, damaged or not."""
-        self._insert(
-            "event",
-            {
-                "id": self._next("event"),
-                "entry": identifier,
-                "kind": "forgotten",
-                "time": time,
-                "body": "",
-                "formulation": "",
-                "correction": "",
-                "declaration": None,
-                "circumstances": '{"gains": {}}',
-                "rule": "plain",
-                "learning_gain": 1.0,
-            },
-        )
-
-    def _entry(self, row: Mapping[str, Any]) -> Entry:
-        identifier = (row["id"],)
-        events = self._select("event", "entry = ? ORDER BY id", identifier)
-        iterations = self._iterations(row["id"])
+    def _build(
+        self, row: Columns, iterations: Sequence[Columns], kind: type[IterationOutline]
+    ) -> Entry:
+        events = select(self._file, "event", "entry = ? ORDER BY id", (row["id"],))
         return build(
             EntryRow.check(row),
             [EventRow.check(each) for each in events],
-            [IterationRow.check(each) for each in iterations],
+            [kind.check(each) for each in iterations],
         )
 
-    def _iterations(self, identifier: int) -> list[dict[str, Any]]:
-        """Read the newest row of each iteration."""
-        return self._select(
-            "iteration",
-            "entry = ? AND (number, event) IN (SELECT number, max(event) FROM iteration "
-            "WHERE entry = ? GROUP BY number) ORDER BY number",
-            (identifier, identifier),
-        )
-
-    def _select(
-        self, table: str, condition: str, values: tuple[Any, ...] = ()
-    ) -> list[dict[str, Any]]:
-        names = COLUMNS[table]
-        rows = self._file.execute(
-            f"SELECT {', '.join(names)} FROM {table} WHERE {condition}", values
-        )
-        return [dict(zip(names, row, strict=True)) for row in rows]
-
-    def _insert(self, table: str, columns: dict[str, Any]) -> None:
-        row = with_checksum(columns)
-        self._file.execute(
-            f"INSERT INTO {table} ({', '.join(row)}) VALUES ({', '.join('?' for _ in row)})",
-            tuple(row.values()),
-        )
-
-    def _next(self, table: str) -> int:
-        return int(self._file.execute(f"SELECT coalesce(max(id), 0) + 1 FROM {table}")[0][0])
+    def _damaged(self, identifier: int, error: Exception) -> DamagedEntry:
+        damaged = DamagedEntry.of(identifier, error)
+        self._kept.note(damaged)
+        return damaged
 
 
-COLUMNS = {
-    "entry": (*EntryRow.model_fields, "checksum"),
-    "event": (*EventRow.model_fields, "checksum"),
-    "iteration": (*IterationRow.model_fields, "checksum"),
-}
+def select(
+    file: DatabaseFile, table: str, condition: str, values: Sequence[Any] = ()
+) -> list[Columns]:
+    """Read rows of a table with all their columns.
 
-
-def _parameters(row: Mapping[str, Any]) -> tuple[tuple[str, float], ...] | None:
-    with suppress(ValueError):
-        checked = EntryRow.check(row)
-        return EntryKey.of("", checked.motion, "", (), checked.parameters).parameters
-    return None
+    Args:
+        condition: SQL after WHERE, with a placeholder for each value.
+        values: Of the placeholders.
+    """
+    names = COLUMNS[table]
+    rows = file.execute(f"SELECT {', '.join(names)} FROM {table} WHERE {condition}", tuple(values))
+    return [dict(zip(names, row, strict=True)) for row in rows]

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, Json
+import numpy as np
+from pydantic import ConfigDict, Field, Json
 
 from tsd_casadi.database.checksum import checksum
 from tsd_casadi.document import AnyDocument, Document, Finite, to_matrix
@@ -39,10 +41,14 @@ class Row(Document):
         Raises:
             ValueError: If it is not what was written, or makes no sense.
         """
-        content = {name: value for name, value in columns.items() if name != "checksum"}
+        content = _without_checksum(columns)
         if columns["checksum"] != checksum(content):
             raise MalformedMessage("a row that does not fit its checksum", "it as it was written")
         return cls.model_validate(content)
+
+
+def _without_checksum(columns: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in columns.items() if name != "checksum"}
 
 
 class BasisColumn(Document):
@@ -81,18 +87,62 @@ class EventRow(Row):
     learning_gain: Finite
 
 
-class IterationRow(Row):
-    """A row of the table 'iteration': how an iteration is since an event."""
+class IterationOutline(Row):
+    """A row of the table 'iteration' without its weights, which are not decoded."""
+
+    model_config = ConfigDict(extra="ignore")
 
     entry: int
     number: Annotated[int, Field(ge=0)]
     event: int
     learned_from: int | None
     epoch: Annotated[int, Field(ge=0)]
-    weights: Json[Numbers]
-    uncertainty: Json[Numbers] | None
     errors: Json[dict[str, AxisError]] | None
     circumstances: Json[Circumstances] | None
+
+    def iteration(self, axes: tuple[str, ...], L: int) -> Iteration:
+        """Build the iteration with weights of no columns, (k, 0).
+
+        Args:
+            axes: Of the entry.
+            L: Number of basis functions.
+
+        Raises:
+            MalformedMessage: If errors are of other axes.
+        """
+        if self.errors is not None:
+            if tuple(self.errors) != axes:
+                raise MalformedMessage(
+                    f"errors of {', '.join(self.errors)}", f"of {', '.join(axes)}"
+                )
+            if not all(math.isfinite(e.rms) and e.rms >= 0 for e in self.errors.values()):
+                raise MalformedMessage("errors without a valid RMS error", "a number not below 0")
+        return Iteration(
+            number=self.number,
+            weights=np.empty((len(axes), 0)),
+            errors=self.errors,
+            circumstances=self.circumstances,
+            learned_from=self.learned_from,
+            epoch=self.epoch,
+        )
+
+
+class IterationRow(IterationOutline):
+    """A row of the table 'iteration': how an iteration is since an event."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    @classmethod
+    def of_checked(cls, columns: Mapping[str, Any]) -> IterationRow:
+        """Decode a row whose checksum its outline has checked.
+
+        Raises:
+            ValueError: If it makes no sense.
+        """
+        return cls.model_validate(_without_checksum(columns))
+
+    weights: Json[Numbers]
+    uncertainty: Json[Numbers] | None
     feedback: Json[Numbers] | None
     error_weights: Json[Numbers] | None
     reference_weights: Json[Numbers] | None
@@ -107,33 +157,24 @@ class IterationRow(Row):
         Raises:
             MalformedMessage: If weights are of another shape or errors of other axes.
         """
-        if self.errors is not None:
-            if tuple(self.errors) != axes:
-                raise MalformedMessage(
-                    f"errors of {', '.join(self.errors)}", f"of {', '.join(axes)}"
-                )
-            if not all(math.isfinite(e.rms) and e.rms >= 0 for e in self.errors.values()):
-                raise MalformedMessage("errors without a valid RMS error", "a number not below 0")
 
         def matrix(name: str) -> Matrix | None:
             rows = getattr(self, name)
             return None if rows is None else to_matrix(name, rows, (len(axes), L))
 
-        return Iteration(
-            number=self.number,
+        return replace(
+            super().iteration(axes, L),
             weights=to_matrix("weights", self.weights, (len(axes), L)),
-            errors=self.errors,
-            circumstances=self.circumstances,
             feedback=matrix("feedback"),
             error_weights=matrix("error_weights"),
             reference_weights=matrix("reference_weights"),
-            learned_from=self.learned_from,
-            epoch=self.epoch,
             uncertainty=matrix("uncertainty"),
         )
 
 
-def build(row: EntryRow, events: list[EventRow], iterations: list[IterationRow]) -> Entry:
+def build(
+    row: EntryRow, events: Sequence[EventRow], iterations: Sequence[IterationOutline]
+) -> Entry:
     """Build an entry of what its rows say.
 
     Args:

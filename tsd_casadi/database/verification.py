@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tsd_casadi.database.database_file import DatabaseFile
+from tsd_casadi.database.derived import DIFFERENCES
 from tsd_casadi.database.entry_rows import COLUMNS, EntryRows
 from tsd_casadi.database.rows import EntryRow, EventRow, IterationRow, Row
 from tsd_casadi.exceptions import DatabaseError
@@ -43,6 +44,8 @@ def find_damages(file: DatabaseFile, rows: EntryRows) -> list[str]:
             for each in rows.read()[1]
             if not any(text.startswith(f"entry {each.identifier}:") for text in found)
         ]
+        if any(file.execute(statement) for statement in DIFFERENCES):
+            found.append("the index does not fit the rows: export the entries, import them anew")
     except DatabaseError as error:
         return [str(error)]
     return found[:MOST_FINDINGS]

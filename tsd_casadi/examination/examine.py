@@ -9,6 +9,7 @@ from typing import Any
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.examination.finding import Finding
 from tsd_casadi.examination.impossible_links import impossible_links
+from tsd_casadi.examination.misplaced_soles import misplaced_soles
 from tsd_casadi.examination.motion_demands import MotionDemands, demands_of
 from tsd_casadi.examination.suspicious_numbers import suspicious_numbers
 from tsd_casadi.exceptions import InvalidValue
@@ -70,7 +71,7 @@ def examine(
         robot.source_path, "urdf" if robot.description.mjcf is None else "mjcf"
     )
     overridden = {f"link {name}" for name in robot.description.links}
-    findings = [*suspicious_numbers(robot)]
+    findings = [*suspicious_numbers(robot), *misplaced_soles(robot)]
     findings += [
         finding
         for finding in impossible_links(description, robot.path.name)

@@ -7,15 +7,13 @@ by the rest, and comes to light when the joint between them is set free.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-import pinocchio
 
 from tsd_casadi.examination.finding import Finding
 from tsd_casadi.robot.description import Description
-from tsd_casadi.robot.inertias import override_lines, what_is_wrong
+from tsd_casadi.robot.inertias import Written, override_lines, what_is_wrong
 
 ENTRIES = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
 # what carries an inertia that is no number, or a sensor's frame with next to no mass,
@@ -47,7 +45,7 @@ def impossible_links(description: Description, robot_file: str) -> Iterator[Find
         )
 
 
-def _inertia(link: ElementTree.Element) -> Any:
+def _inertia(link: ElementTree.Element) -> Written | None:
     inertial = link.find("inertial")
     mass, moments = (
         None if inertial is None else inertial.find(tag) for tag in ("mass", "inertia")
@@ -55,4 +53,4 @@ def _inertia(link: ElementTree.Element) -> Any:
     if mass is None or moments is None:
         return None
     matrix = np.array([[float(moments.get(name, 0.0)) for name in row] for row in ENTRIES])
-    return pinocchio.Inertia(float(mass.get("value", 0.0)), np.zeros(3), matrix)
+    return Written(float(mass.get("value", 0.0)), np.zeros(3), matrix)

@@ -29,6 +29,7 @@ what was expected and what to do about it::
         ├── ServiceUnreachable
         ├── ServiceFailed
         ├── ServiceNotReady
+        ├── ControllerSilent
         ├── EndpointTaken
         ├── AlreadyRunning
         ├── RunDirectoryUnusable
@@ -61,6 +62,7 @@ from tsd_casadi.exceptions.robot import ParityError, RobotError, RobotFileError,
 from tsd_casadi.exceptions.services import (
     AlreadyRunning,
     CertificateRefused,
+    ControllerSilent,
     EndpointTaken,
     RunDirectoryUnusable,
     ServiceError,
@@ -86,6 +88,7 @@ __all__ = [
     "CompilationFailed",
     "CompilerNotFound",
     "ControllerError",
+    "ControllerSilent",
     "DatabaseError",
     "EndpointTaken",
     "EntryNotFound",

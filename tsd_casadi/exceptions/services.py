@@ -60,6 +60,28 @@ class ServiceNotReady(ServiceError):
     code = "not_ready"
 
 
+class ControllerSilent(ServiceError):
+    """A robot was held for longer than the user's patience.
+
+    Attributes:
+        patience: How long answers were missing [s].
+        why: Of the last one, as far as it can be told.
+    """
+
+    code = "controller_silent"
+    patience: float | None = None
+    why: str | None = None
+
+    def __init__(self, patience: float, why: str) -> None:
+        """Create the error for one silence."""
+        self.patience = patience
+        self.why = why
+        super().__init__(
+            f"no torque was answered for {patience:g} s ({why}), all of it stepped with the "
+            "fallback; look at the controller, or wait for it longer with --patience"
+        )
+
+
 class EndpointTaken(ServiceError):
     """Another process listens on the endpoint already.
 

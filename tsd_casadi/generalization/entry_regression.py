@@ -12,10 +12,16 @@ from tsd_casadi.exceptions import EntryNotFound
 from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.learning.axis_error import plain_errors
 from tsd_casadi.learning.entry import Entry
+from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.declaration import Declaration
 
 MINIMUM_ENTRIES = 2
+# more would not be fitted before the asking client has given up: the time grows with the third
+# power of their number, the memory with the second
+MOST_ENTRIES = 1_000
+# entries that an error names, the others are counted
+MOST_TOLD = 10
 # fits that are kept, one per group of entries
 KEPT_FITS = 32
 
@@ -62,7 +68,7 @@ class EntryRegressions:
             raise EntryNotFound(
                 f"generalising for {describe_motion(motion, wanted.items())} needs at least "
                 f"{MINIMUM_ENTRIES} learned entries beside that one; there is "
-                f"{describe_entries(entries)}. Learn more of them"
+                f"{_described(entries)}. Learn more of them"
             )
         regression = self.over(declaration, others)
         for name, value in wanted.items():
@@ -148,7 +154,7 @@ def _check_same_basis(entries: Sequence[Entry]) -> None:
     kinds = {(entry.basis, entry.key.axes, entry.key.context) for entry in entries}
     if len(kinds) > 1:
         raise EntryNotFound(
-            f"the entries {describe_entries(entries)} were learned with different bases, axes "
+            f"the entries {_described(entries)} were learned with different bases, axes "
             "or contexts and cannot be generalised together; forget or restart some"
         )
 
@@ -158,7 +164,16 @@ def describe_motion(motion: str, parameters: Iterable[tuple[str, float]]) -> str
     return " ".join([motion, *(f"{name}={value:g}" for name, value in parameters)])
 
 
-def describe_entries(entries: Iterable[Entry]) -> str:
-    """Tell people the motions of some entries."""
-    listed = [describe_motion(entry.key.motion, entry.key.parameters) for entry in entries]
-    return ", ".join(listed) or "nothing yet"
+def describe_entries(keys: Sequence[EntryKey], size: int) -> str:
+    """Tell people the motions of some entries.
+
+    Args:
+        size: Number of all of them.
+    """
+    told = [describe_motion(key.motion, key.parameters) for key in keys[:MOST_TOLD]]
+    listed = ", ".join(told) or "nothing yet"
+    return f"{listed} and {size - len(told)} more" if size > len(told) else listed
+
+
+def _described(entries: Sequence[Entry]) -> str:
+    return describe_entries([entry.key for entry in entries], len(entries))

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 
 @dataclass(frozen=True)
@@ -30,7 +28,7 @@ class AxisError:
 
     def plain(self) -> dict[str, float]:
         """Give plain data, without what is unknown."""
-        return {name: value for name, value in asdict(self).items() if value is not None}
+        return {name: value for name, value in vars(self).items() if value is not None}
 
 
 def unit_of_axis(axis: str) -> str:
@@ -57,7 +55,6 @@ def rank(errors: Mapping[str, AxisError], P: Sequence[float]) -> float:
     Returns:
         [m/s^2, rad/s^2]; NaN if an error is.
     """
-    each = np.array(
-        [stiffness * error.rms for stiffness, error in zip(P, errors.values(), strict=True)]
-    )
-    return math.sqrt(float(np.mean(each**2)))
+    # numpy would take longer for so few
+    each = [(stiffness * e.rms) ** 2 for stiffness, e in zip(P, errors.values(), strict=True)]
+    return math.sqrt(sum(each) / len(each))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -80,9 +80,9 @@ class Entry:
             "iteration": served.number,
             "tested": served.errors is not None,
             "errors": None if served.errors is None else plain_errors(served.errors),
-            "gains": self.circumstances.gains,
+            "gains": {name: list(gains) for name, gains in self.circumstances.gains.items()},
             "axes": list(self.key.axes),
-            "context": asdict(self.key.context),
+            "context": dict(vars(self.key.context)),
             "epoch": served.epoch,
             "version": self.circumstances.version,
             "updated": self.updated,
@@ -90,7 +90,7 @@ class Entry:
         return Feedforward(
             axes=self.key.axes,
             basis=self.basis,
-            weights=served.weights,
+            weights=served.weights.copy(),  # the entry may be kept
             standard_deviations=np.zeros_like(served.weights),
             kind="learned",
             parameters=dict(self.key.parameters),
@@ -144,10 +144,12 @@ class Entry:
         Empty while no iteration was tested with known position errors, or if
         nobody said at which frequency, P and D.
         """
-        loop = find_loop(self.key.axes, dict(self.key.parameters), self.circumstances.gains)
         tests = self._tests(self.best) if self.iterations else []
         repetitions = [test.repetition for test in tests if test.repetition is not None]
-        return design_filters(repetitions, self.basis, *loop) if loop and repetitions else ()
+        if not repetitions:
+            return ()
+        loop = find_loop(self.key.axes, dict(self.key.parameters), self.circumstances.gains)
+        return design_filters(repetitions, self.basis, *loop) if loop else ()
 
     def observed_contractions(self, axis: int = 0) -> Matrix | None:
         """Compute what each test left of the feedback of the one that it was learned from.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pinocchio
 
@@ -20,6 +22,7 @@ ASIDE = 0.03
 NEUTRAL = 0.02
 
 
+@cache
 def hang_arms(body: Body) -> Vector:
     """Find angles for all joints above the hips.
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from tsd_casadi.proposal.locks import Locks
 from tsd_casadi.proposal.survey import Survey
-from tsd_casadi.proposal.yaml_text import DIGITS, key_text, number_text
+from tsd_casadi.proposal.yaml_text import DIGITS, key_text, list_text, number_text
 
 
 def changes_text(found: Survey, efforts: Mapping[str, float]) -> list[str]:
@@ -29,7 +29,7 @@ def changes_text(found: Survey, efforts: Mapping[str, float]) -> list[str]:
             "",
             "# These turn without end in the description; a limit is needed. [rad]",
             "position:",
-            *(f"  {key_text(link)}: {_inertia(each)}" for link, each in found.moments.items()),
+            *(f"  {key_text(name)}: {list_text(ends)}" for name, ends in found.position.items()),
         ]
     if found.moments:
         lines += [
@@ -37,10 +37,7 @@ def changes_text(found: Survey, efforts: Mapping[str, float]) -> list[str]:
             "# No body can have the description's inertia of these: the nearest possible one,",
             "# or that of a ball of the same mass. xx, yy, zz, xy, xz, yz. [kg m^2]",
             "links:",
-            *(
-                f"  {key_text(link)}: {{inertia: [{', '.join(f'{value:.6g}' for value in values)}]}}"
-                for link, values in found.moments.items()
-            ),
+            *(f"  {key_text(link)}: {_inertia(each)}" for link, each in found.moments.items()),
         ]
     return lines[1:] if lines[:1] == [""] else lines
 

@@ -1,4 +1,4 @@
-"""Gains and weights, those of hermes_lower scaled to another mass and size.
+"""Gains and weights, those of an adult humanoid scaled to another mass and size.
 
 Tasks and posture are in accelerations, which are the same for a robot of any mass:
 their gains and weights stay. Forces grow with the weight, moments with weight times
@@ -15,7 +15,7 @@ import numpy as np
 from tsd_casadi.proposal.body import Body
 from tsd_casadi.proposal.home_posture import HomePosture
 
-# of hermes_lower: mass [kg], height of its centre of mass at home [m]
+# of the paper's robot: mass [kg], height of its centre of mass at home [m]
 MASS, HEIGHT = 57.33, 0.781
 # torsional friction in shares of a sole's smaller side, as there: it acts within the sole
 TORSION = 0.5

@@ -26,8 +26,8 @@ from tsd_casadi.state import Vector
 # carry less than half each
 CARRIES = 0.6
 # thigh times shank in shares of the squared length of the leg: a quarter of it for equal
-# parts; hips and ankles whose axes do not meet have a hundredth
-KNEE_SHARE = 0.08
+# parts; hips and ankles whose axes do not meet have less than a tenth
+KNEE_SHARE = 0.12
 
 
 @dataclass(frozen=True)

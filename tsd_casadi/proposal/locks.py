@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,8 @@ import pinocchio
 
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.exceptions.did_you_mean import nearest
-from tsd_casadi.robot.description import Description
+from tsd_casadi.robot.description import CONTINUOUS, Description
+from tsd_casadi.robot.parsed_model import parse_model
 
 # what hands are made of, in the words of descriptions; they are only mentioned
 FINGERS = re.compile(r"finger|thumb|gripper|hand_|_hand|knuckle|index|pinky|ring_|middle_\d", re.I)
@@ -119,14 +121,27 @@ def lock_unmovable(locks: Locks, path: Path, model: Any, legs: Collection[str]) 
     locks.lock(light, "they move nothing that has a mass")
 
 
-def settle_angles(locks: Locks, model: Any) -> None:
+def settle_angles(locks: Locks, description: Description) -> None:
     """Give each locked joint the angle next to zero that its limits allow."""
     for name in locks.angles:
-        place = model.joints[model.getJointId(name)]
-        if place.nq == 1:
-            low = float(model.lowerPositionLimit[place.idx_q])
-            high = float(model.upperPositionLimit[place.idx_q])
-            locks.angles[name] = min(max(0.0, low), high) if low <= high else 0.0
+        low, high = _limits_of(description, name)
+        locks.angles[name] = min(max(0.0, low), high) if low <= high else 0.0
+
+
+def _limits_of(description: Description, joint: str) -> tuple[float, float]:
+    """Read a joint's limits as they are written; zero where there are none."""
+    element = description.joints()[joint]
+    if description.kind == "mjcf":  # those of its class are written elsewhere
+        model = parse_model(deepcopy(description))
+        place = model.joints[model.getJointId(joint)]
+        if place.nq != 1:
+            return 0.0, 0.0
+        low, high = model.lowerPositionLimit[place.idx_q], model.upperPositionLimit[place.idx_q]
+        return float(low), float(high)
+    limit = element.find("limit")
+    if limit is None or element.get("type") == CONTINUOUS:
+        return 0.0, 0.0
+    return float(limit.get("lower", "0")), float(limit.get("upper", "0"))
 
 
 def suggest(model: Any, legs: Collection[str]) -> list[str]:

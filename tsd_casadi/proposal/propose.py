@@ -111,7 +111,7 @@ def _about_home(found: Survey, home: HomePosture) -> list[str]:
             f"the upper body leans {home.lean:g} rad forward: upright, the ankles' limits leave "
             "less room for a squat"
         )
-    if home.amplitude < GOOD_ENOUGH[1]:
+    if home.amplitude < GOOD_ENOUGH[-1][0]:
         notes.append(
             f"there is room for a squat of {1e3 * max(home.amplitude, 0):.0f} mm only; the "
             "joints' limits are near"

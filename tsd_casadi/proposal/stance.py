@@ -112,19 +112,19 @@ def _hard(error: Vector) -> float:
 
 
 def _bounded_step(gram: Matrix, gradient: Vector, lower: Vector, upper: Vector) -> Vector:
-    """Minimise a quadratic in a box: what leaves the box is held at its face, one by one."""
+    """Minimise a quadratic in a box: what leaves the box is held at its face."""
     step = np.zeros(len(gradient))
     free = np.ones(len(gradient), dtype=bool)
     while free.any():
         rest = gradient - gram @ np.where(free, 0.0, step)
         step[free] = np.linalg.solve(gram[np.ix_(free, free)], rest[free])
         beyond = np.maximum(step - upper, lower - step)
-        worst = int(np.argmax(np.where(free, beyond, -np.inf)))
-        if beyond[worst] <= 0:
+        outside = free & (beyond > 0)
+        if not outside.any():
             break
-        step[worst] = np.clip(step[worst], lower[worst], upper[worst])
-        free[worst] = False
-    return np.clip(step, lower, upper)
+        step[outside] = np.clip(step, lower, upper)[outside]
+        free &= ~outside
+    return step
 
 
 def _residual(body: Body, data: Any, q: Vector, wish: Wish) -> tuple[Vector, Matrix]:

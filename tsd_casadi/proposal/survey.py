@@ -27,7 +27,7 @@ from tsd_casadi.proposal.locks import (
 from tsd_casadi.proposal.masses import Moments, mend_inertias
 from tsd_casadi.proposal.upright import find_upright
 from tsd_casadi.robot.description import CONTINUOUS, Description, kind_of, read_description
-from tsd_casadi.robot.foot_geometry import foot_geometry
+from tsd_casadi.robot.geometry import Use, load_geometry
 from tsd_casadi.robot.rigid_body_model import RigidBodyModel
 from tsd_casadi.robot.robot_file import RobotFile
 from tsd_casadi.robot.robot_file_overrides import LinkFile
@@ -82,11 +82,12 @@ def survey(source: Path, feet: tuple[str, str], patterns: Sequence[str]) -> Surv
         for name, joint in description.joints().items()
         if joint.get("type") == CONTINUOUS and name not in locks.angles
     }
+    settle_angles(locks, description)
     bodies = _bodies(description, locks, position, {})
     frames = tuple(find_foot(bodies, source, foot) for foot in feet)
     legs = _leg_joints(bodies.model, frames)
     lock_unmovable(locks, source, bodies.full, legs)
-    settle_angles(locks, bodies.full)
+    settle_angles(locks, read_description(source, description.kind))
     moments = mend_inertias(bodies)
     description = read_description(source, description.kind)
     bodies = _bodies(description, locks, position, moments)
@@ -123,8 +124,8 @@ def _stand_up(description: Description, bodies: RigidBodyModel, feet: tuple[str,
     check_feet(model, path, feet, joints)
     upright = find_upright(path, model, (frames[0], frames[1]))
     q = upright_neutral(model, upright)
-    geometry = foot_geometry(description, bodies, joints)
-    left, right = (find_sole_patch(path, model, geometry, frame, q) for frame in frames)
+    geometry, missing = _shapes_of(bodies, joints)
+    left, right = (find_sole_patch(path, model, geometry, frame, q, missing) for frame in frames)
     sole_frames = tuple(
         _add_frame(model, f"{side} sole of a proposal", sole)
         for side, sole in (("left", left), ("right", right))
@@ -133,6 +134,21 @@ def _stand_up(description: Description, bodies: RigidBodyModel, feet: tuple[str,
     body = Body(model, upright, (_inside(left), _inside(right)), both, np.ones(model.nv - 6))
     moment = body.mass * 9.81 * body_height(body, q)
     return dataclasses.replace(body, limit=known_limits(model, moment))
+
+
+def _shapes_of(
+    bodies: RigidBodyModel, joints: Sequence[int]
+) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Load the shapes of what some joints carry, and list the meshes that are not there."""
+    links = [
+        str(frame.name)
+        for frame in bodies.model.frames
+        if frame.parentJoint in joints and frame.type == pinocchio.FrameType.BODY
+    ]
+    uses: tuple[Use, Use] = ("collision", "visual")
+    collision, visual = (load_geometry(bodies, use, links) for use in uses)
+    shapes = {"collision": collision.model, "visual": visual.model}
+    return shapes, (*collision.missing, *visual.missing)
 
 
 def _inside(sole: SolePatch) -> SolePatch:

@@ -13,6 +13,7 @@ from tsd_casadi.repetition.plant import Truth
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.command import Command
+from tsd_casadi.tick.missed import Missed
 from tsd_casadi.tick.tick import Tick
 
 
@@ -89,6 +90,7 @@ class Moment:
             torque limits; only after the tick.
         true_error: Of the axes, (k,) [m, rad]; NaN where nobody knows it.
         tick_time: Round trip of the tick [us]; only after the tick.
+        missed: Why there is no tick, in a period that had no answer.
     """
 
     time: float
@@ -105,6 +107,7 @@ class Moment:
     tau: Vector = field(default_factory=partial(np.zeros, 0))
     true_error: Vector = field(default_factory=partial(np.zeros, 0))
     tick_time: float = 0.0
+    missed: Missed | None = None
 
 
 class Compensator:
@@ -112,7 +115,8 @@ class Compensator:
 
     Before a tick it may change ``feedforward``, ``shift`` and ``shift_rate`` of
     the moment; after it, ``tau``. Several compensators are asked in the order of
-    their list, each sees what those before it changed.
+    their list, each sees what those before it changed. A period without an answer
+    has no after.
 
     Attributes:
         veto: Why the feedforward is no longer in use, for people; None while it is.

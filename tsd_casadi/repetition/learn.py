@@ -20,6 +20,7 @@ from tsd_casadi.repetition.compensator import Compensator
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.observer import Observer
+from tsd_casadi.repetition.pace import Pace
 from tsd_casadi.repetition.plant import Plant
 from tsd_casadi.repetition.record import context_of, record_of
 from tsd_casadi.repetition.repeat import repeat, usual_axes
@@ -78,9 +79,11 @@ def learn(
     observers: Sequence[Observer] = (),
     seed: int | Sequence[int] = 0,
     transport: str = "local",
+    pace: Pace | None = None,
     progress: Callable[[Motion, int], Progress | None] | None = None,
     on_run: Callable[[Run, list[str]], None] | None = None,
     on_learned: Callable[[Motion, Sequence[Contraction]], None] | None = None,
+    on_abort: Callable[[Run], None] | None = None,
 ) -> list[Run]:
     """Repeat each motion, learning from one repetition to the next.
 
@@ -104,10 +107,12 @@ def learn(
         seed: Of the starting posture and the sensors' noise: one for all
             repetitions, or one for each of a motion's N + 1.
         transport: How the controller is reached, for the records.
+        pace: How fast by the clock; by default the plant waits for every answer.
         progress: Gives the progress function of a repetition, from motion and number.
         on_run: Called after each repetition with the learner's remarks.
         on_learned: Called after each motion with what iterations leave of its
             error.
+        on_abort: Called with what was run of a repetition that something ended early.
 
     Returns:
         The run of every repetition, in order.
@@ -158,6 +163,8 @@ def learn(
                 observers=observers,
                 seed=seeds[index],
                 transport=transport,
+                pace=pace,
+                on_abort=on_abort,
                 progress=progress(motion, index) if progress is not None else None,
             )
             errors.append(run.rank)

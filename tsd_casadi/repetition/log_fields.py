@@ -53,8 +53,13 @@ LOG_FIELDS: dict[str, LogField] = {
         "(6 c,)",
         "float32",
     ),
-    "status": LogField("", "how the tick ended, 0 is ok; see wire.md", type="int64"),
+    "status": LogField("", "how the tick ended, 0 is ok, -1 no answer; see wire.md", type="int64"),
     "compute_us": LogField("us", "time inside the compiled function"),
     "tick_us": LogField("us", "round trip of the tick as its client sees it"),
+    "missed": LogField(
+        "",
+        "why the period had no answer: 1 nothing there, 2 error, 3 late, 4 refused; else 0",
+        type="int64",
+    ),
     "measured": LogField("", "whether the tick is in a lap that is measured", type="bool"),
 }

@@ -24,6 +24,12 @@ class Observer(Protocol):
     def tick(self, moment: Moment) -> None:
         """Learn that a tick was answered and its torque is being applied."""
 
+    def missed(self, moment: Moment) -> None:
+        """Learn that a period had no answer and the fallback's torque is being applied.
+
+        Only in a repetition against the clock; ``moment.missed`` tells why.
+        """
+
     def lap(self, lap: Lap) -> None:
         """Learn that a whole lap is over."""
 
@@ -65,6 +71,9 @@ class Glimpses:
                 "tau": moment.tau,
             }
         )
+
+    def missed(self, moment: Moment) -> None:
+        """Note nothing: a picture waits for the next tick."""
 
     def lap(self, lap: Lap) -> None:
         """Note nothing."""

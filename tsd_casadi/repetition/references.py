@@ -26,7 +26,7 @@ class References:
     def __init__(
         self, robot: Robot, tick_format: TickFormat, command: Command, axes: Sequence[str]
     ) -> None:
-        """Take what the command holds now for the middle.
+        """Take what the command holds now for the middle, and track the tasks that move.
 
         Raises:
             UnknownField: If no task has one of the axes.
@@ -35,6 +35,8 @@ class References:
         pairs = [_split(axis) for axis in axes]
         self.index = _indices(tick_format.axis_index(*pair) for pair in pairs)
         self._request, place = command.request, _Places(tick_format)
+        for task in dict.fromkeys(task for task, _ in pairs):
+            command[f"{task}.active"] = 1.0
         # translations of all tasks are written at once, one index each
         self._linear = _indices(i for i, (_, name) in enumerate(pairs) if name in COM_AXES)
         linear = [pairs[i] for i in self._linear]

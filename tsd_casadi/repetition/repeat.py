@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 
 from tsd_casadi.controller.controller import WholeBodyController
@@ -13,6 +13,7 @@ from tsd_casadi.motions.ranges import check_motion
 from tsd_casadi.repetition.compensator import Compensator
 from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.observer import Observer
+from tsd_casadi.repetition.pace import Pace
 from tsd_casadi.repetition.plant import Plant
 from tsd_casadi.repetition.repetition import Progress, Repetition
 from tsd_casadi.repetition.run import Run
@@ -44,8 +45,10 @@ def repeat(
     seed: int = 0,
     transport: str = "local",
     progress: Progress | None = None,
+    pace: Pace | None = None,
+    on_abort: Callable[[Run], None] | None = None,
 ) -> Run:
-    """Do one repetition of a motion in lock-step with a controller.
+    """Do one repetition of a motion, in lock-step with a controller or against the clock.
 
     The robot holds the middle of the motion for one second with the feedforward
     of the starting phase, then moves. Laps are added until two consecutive ones
@@ -65,6 +68,9 @@ def repeat(
         seed: Of whatever is random about the plant.
         transport: How the controller is reached, for the records.
         progress: Called with (done, total) seconds of the repetition.
+        pace: How fast by the clock; by default the plant waits for every answer.
+        on_abort: Called with what was run if an error or the user ends it early, before
+            that error goes on.
 
     Returns:
         The run.
@@ -82,17 +88,8 @@ def repeat(
     if len(set(learned)) < len(learned) or not learned:
         raise InvalidValue("axes", ", ".join(learned) or "none", "at least one axis, none twice")
     repetition = Repetition(
-        plant, controller, motion, learned, feedforward, gains, compensators, observers
+        plant, controller, motion, learned, feedforward, gains, compensators, observers, pace
     )
-    # whoever was told of the start is told of the end, whatever happens between them
-    with ExitStack() as ends:
-        for observer in observers:
-            ends.callback(repetition.end, observer)
-            observer.start(repetition.setting)
-        plant.start(motion.middle(robot), seed)
-        repetition.hold(progress)
-        repetition.move(laps, progress)
-        repetition.over = True
     settings = {
         **plant.settings(),
         "period_s": plant.period,
@@ -100,5 +97,20 @@ def repeat(
         "d_scale": gains.D,
         "transport": transport,
         "seed": seed,
+        **({} if pace is None else {"pace": pace.factor}),
     }
+    try:
+        # whoever was told of the start is told of the end, whatever happens between them
+        with ExitStack() as ends:
+            for observer in observers:
+                ends.callback(repetition.end, observer)
+                observer.start(repetition.setting)
+            plant.start(motion.middle(robot), seed)
+            repetition.hold(progress)
+            repetition.move(laps, progress)
+            repetition.over = True
+    except BaseException as error:
+        if on_abort is not None and repetition.ticks:
+            on_abort(repetition.finish(settings, str(error) or type(error).__name__))
+        raise
     return repetition.finish(settings)

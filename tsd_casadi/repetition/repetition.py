@@ -1,4 +1,4 @@
-"""One repetition while it is under way: plant and controller in lock-step, tick by tick."""
+"""One repetition while it is under way, tick by tick: in lock-step, or against the clock."""
 
 from __future__ import annotations
 
@@ -22,12 +22,16 @@ from tsd_casadi.motions.motion import Motion, Reference
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.gains import Gains
 from tsd_casadi.repetition.observer import Observer
+from tsd_casadi.repetition.pace import Pace, Periods
 from tsd_casadi.repetition.plant import Plant, Truth
 from tsd_casadi.repetition.references import References
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.repetition.tick_log import TickLog
+from tsd_casadi.repetition.tick_log import NO_STATUS, TickLog
 from tsd_casadi.state import State, Vector
+from tsd_casadi.tick.command import Command
 from tsd_casadi.tick.format import Status
+from tsd_casadi.tick.missed import Cause, Missed
+from tsd_casadi.tick.tick import Tick
 
 HOLD = 1.0  # s
 LAP_COLUMNS = ("phase", "feedback", "error", "reference", "feedforward")
@@ -54,11 +58,13 @@ class Repetition:
         gains: Gains,
         compensators: Sequence[Compensator],
         observers: Sequence[Observer],
+        pace: Pace | None = None,
     ) -> None:
         """Prepare; nothing moves yet.
 
         Args:
             learned: Names 'task.axis' of the learned axes.
+            pace: Against the clock; by default the plant waits for every answer.
 
         Raises:
             SimulationError: If controller and plant are of different robots.
@@ -100,6 +106,9 @@ class Repetition:
         self._steady = False
         # where nobody tells the truth
         self._model, self._data = robot.model, robot.model.createData()
+        self._periods = None if pace is None else Periods(controller, robot, plant.period, pace)
+        ask = controller if self._periods is None else self._periods
+        self._ask: Callable[[State, Command], Tick | Missed] = ask.tick
         self._compensators, self._observers = compensators, (self._log, *observers)
         self.setting = Setting(
             robot=robot,
@@ -120,6 +129,11 @@ class Repetition:
         observer.end(outcome if self.over else "aborted")
 
     @property
+    def ticks(self) -> int:
+        """How many periods there were."""
+        return self._log.ticks
+
+    @property
     def _time(self) -> float:
         return self._plant.period * self._log.ticks
 
@@ -128,8 +142,9 @@ class Repetition:
         ticks = round(HOLD / self._plant.period)
         still = self._resting()
         feedforward = self._along(self._feedforward.mean([self._motion.start_phase]))[:, 0]
-        for tick in range(ticks):
-            self._tick(-1, still, feedforward.copy())
+        tick = 0
+        while tick < ticks:
+            tick += self._tick(-1, still, feedforward.copy())
             if progress is not None and tick % 200 == 0:
                 progress(self._time, 2 * HOLD)
             if self._fell:
@@ -148,14 +163,19 @@ class Repetition:
                 self._steady = True
                 return
 
-    def finish(self, settings: dict[str, Any]) -> Run:
-        """Measure and pack up."""
+    def finish(self, settings: dict[str, Any], aborted: str = "") -> Run:
+        """Measure and pack up.
+
+        Args:
+            aborted: What ended it early; empty for nothing.
+        """
         first = None
         if len(self._laps) >= 2 and not self._fell:
             first = first_steady_lap(self._laps)
             first = len(self._laps) - 2 if first is None else first
         log = self._log.log(first)
-        statuses = Counter(int(status) for status in log["status"])
+        statuses = Counter(log["status"].tolist())
+        causes = Counter(log["missed"].tolist())
         vetoes = [item.veto for item in self._compensators if item.veto is not None]
         feedforward = self._feedforward
         if vetoes:
@@ -179,8 +199,10 @@ class Repetition:
             failures={
                 Status(status).name.lower(): count
                 for status, count in statuses.items()
-                if status != Status.OK
+                if status not in (Status.OK, NO_STATUS)
             },
+            missed={cause.words: causes[cause] for cause in Cause if causes[cause]},
+            aborted=aborted,
         )
 
     def _along(self, learned: Vector) -> Vector:
@@ -201,11 +223,14 @@ class Repetition:
         feedforward = self._along(self._feedforward.mean(ahead))
         tick = 0
         while self._oscillator.lap == lap and not self._fell:
-            self._tick(lap, self._reference(), feedforward[:, tick].copy())
-            self._oscillator.advance(self._plant.period)
-            tick += 1
+            if self._tick(lap, self._reference(), feedforward[:, tick].copy()):
+                self._oscillator.advance(self._plant.period)
+                tick += 1
         if not self._fell:
             rows, k = self._log.columns(start, LAP_COLUMNS), self._learned
+            if self._periods is not None:
+                answered = self._log.columns(start, ["missed"])["missed"] == 0
+                rows = {name: values[answered] for name, values in rows.items()}
             done = Lap(
                 phase=rows["phase"],
                 feedback=rows["feedback"].T[:k],
@@ -232,12 +257,15 @@ class Repetition:
         x[self._places], xd[self._places], xdd[self._places] = here.x, there.xd, here.xdd
         return Reference(x, xd, xdd)
 
-    def _tick(self, lap: int, reference: Reference, feedforward: Vector) -> None:
-        plant, time = self._plant, self._time
+    def _tick(self, lap: int, reference: Reference, feedforward: Vector) -> bool:
+        """Do one period; says whether it was answered, otherwise the motion waits where it is."""
+        plant, time, periods = self._plant, self._time, self._periods
+        if periods is not None:
+            periods.begin()
         state, truth = plant.measure(), plant.truth()
         if not self._stands(state if truth is None else truth.state, truth):
             self._fell = True
-            return
+            return False
         moment = Moment(
             time, self._oscillator.phase, lap, state, reference, feedforward, self._command
         )
@@ -253,14 +281,25 @@ class Repetition:
         if self._compensators and (moment.shift.any() or moment.shift_rate.any()):
             self._references.shift(moment.shift, moment.shift_rate)
         before = perf_counter()
-        moment.tick = self._controller.tick(state, self._command)
+        answer = self._ask(state, self._command)
         moment.tick_time = 1e6 * (perf_counter() - before)
-        moment.tau = moment.tick.tau
+        if isinstance(answer, Missed):
+            assert periods is not None
+            moment.missed, moment.tau = answer, periods.hold(state)
+            for observer in self._observers:
+                observer.missed(moment)
+            plant.apply(moment.tau)
+            return False
+        moment.tick = answer
+        moment.tau = answer.tau
         if self._compensators:
             self._ask_after(moment)
+        if periods is not None:
+            moment.tau = periods.resume(moment.tau)
         for observer in self._observers:
             observer.tick(moment)
         plant.apply(moment.tau)
+        return True
 
     def _stands(self, state: State, truth: Truth | None) -> bool:
         """Whether the robot is on its feet, as measured unless somebody knows; NaN is a fall."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,8 @@ class Run:
         fell: Whether the robot fell, which ends the run.
         vetoes: Why the feedforward was dropped.
         failures: Ticks answered with a safe torque, by status name.
+        missed: Periods without an answer, stepped with the fallback, by cause.
+        aborted: What ended it early; empty for nothing. A fall is told by ``fell``.
     """
 
     robot: str
@@ -49,6 +51,8 @@ class Run:
     fell: bool
     vetoes: list[str]
     failures: dict[str, int]
+    missed: dict[str, int] = field(default_factory=dict)
+    aborted: str = ""
 
     def __repr__(self) -> str:
         """Say what was done, with what, and how well."""
@@ -58,6 +62,8 @@ class Run:
         what = "".join(f" {name}={value:g}" for name, value in self.motion.parameters.items())
         if self.fell:
             outcome = f"fell after {self.ticks} ticks"
+        elif self.aborted:
+            outcome = f"aborted after {self.ticks} ticks"
         else:
             outcome = ", ".join(
                 f"{axis} {1e3 * error.rms:.4f} m{unit_of_axis(axis)}"
@@ -106,8 +112,10 @@ class Run:
 
     @property
     def tick_us(self) -> dict[str, float]:
-        """Round trip of a tick as the client sees it [us]."""
-        times = self.log["tick_us"]
+        """Round trip of an answered tick as the client sees it [us]; NaN if none was answered."""
+        times = self.log["tick_us"][self.log["missed"] == 0]
+        if not times.size:
+            return dict.fromkeys(("p50", "p99", "max"), math.nan)
         return {
             "p50": float(np.percentile(times, 50)),
             "p99": float(np.percentile(times, 99)),
@@ -140,9 +148,13 @@ class Run:
             "laps_measured": len(self.laps),
             "fell": self.fell,
             "failures": self.failures,
+            "missed": self.missed,
+            "aborted": self.aborted or None,
             "vetoes": self.vetoes,
             "ticks": self.ticks,
-            "tick_us": self.tick_us,
+            "tick_us": {
+                name: None if math.isnan(value) else value for name, value in self.tick_us.items()
+            },
         }
 
 

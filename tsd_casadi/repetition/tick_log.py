@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,6 +13,8 @@ from tsd_casadi.repetition.compensator import Moment, Setting
 from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.state import Vector
 
+# in place of what a missing answer does not tell
+NO_STATUS = -1
 COLUMNS = [name for name in LOG_FIELDS if name != "measured"]
 
 
@@ -26,13 +29,37 @@ class TickLog:
     def start(self, setting: Setting) -> None:
         """Note which axes there are."""
         self._index = setting.index
-        self._wrenches = setting.controller.format.reply.slice("wrenches")
+        reply = setting.controller.format.reply
+        self._wrenches = reply.slice("wrenches")
+        self._unknown = np.full(reply.size, np.nan)
+        self._errors = reply.slice("error")
 
     def tick(self, moment: Moment) -> None:
         """Note a tick."""
-        tick, state = moment.tick, moment.state if moment.truth is None else moment.truth.state
+        tick = moment.tick
         assert tick is not None
-        error = tick.error
+        error, feedback = tick.error, tick.feedback
+        wrenches, status = tick.reply[self._wrenches], int(tick.reply[0])
+        self._note(moment, error, feedback, wrenches, status, tick.compute_time, 0)
+
+    def missed(self, moment: Moment) -> None:
+        """Note a period without an answer."""
+        assert moment.missed is not None
+        nothing, cause = self._unknown, int(moment.missed.cause)
+        error = nothing[self._errors]
+        self._note(moment, error, error, nothing[self._wrenches], NO_STATUS, math.nan, cause)
+
+    def _note(
+        self,
+        moment: Moment,
+        error: Vector,
+        feedback: Vector,
+        wrenches: Vector,
+        status: int,
+        compute_time: float,
+        cause: int,
+    ) -> None:
+        state = moment.state if moment.truth is None else moment.truth.state
         self._rows.append(
             (
                 moment.time,
@@ -41,16 +68,17 @@ class TickLog:
                 moment.reference.x,
                 error[self._index],
                 moment.true_error,
-                tick.feedback[self._index],
+                feedback[self._index],
                 moment.feedforward,
                 error,
                 state.q,
                 state.v,
                 moment.tau,
-                tick.reply[self._wrenches],
-                int(tick.reply[0]),
-                tick.compute_time,
+                wrenches,
+                status,
+                compute_time,
                 moment.tick_time,
+                cause,
             )
         )
 
@@ -90,6 +118,7 @@ class TickLog:
         if first_lap is not None:
             starts = [self._lap_ends[first_lap - 1]] if first_lap else [self._first_moving(log)]
             measured[starts[0] : self._lap_ends[-1]] = True
+            measured &= log["missed"] == 0
         log["measured"] = measured
         return log
 

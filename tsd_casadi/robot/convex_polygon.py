@@ -8,6 +8,7 @@ from tsd_casadi.state import Matrix, Vector
 
 # a turn smaller than this is none: points that differ by rounding are one [m^2]
 STRAIGHT = 1e-12
+DIGITS = 9  # of a corner [m]
 # cuts of a polygon between which its largest rectangle is looked for: to 1 % of its length
 CUTS = 101
 
@@ -23,7 +24,9 @@ def hull(points: Matrix) -> Matrix:
     Returns:
         Corners, anticlockwise, (c, 2); fewer than three if the points are on a line.
     """
-    ordered = sorted(set(map(tuple, np.asarray(points, dtype=float).tolist())))
+    # corners of an edge along y have the same x, but for rounding, which would order them
+    # at random and have the chain below lose some
+    ordered = sorted(set(map(tuple, np.round(points, DIGITS).tolist())))
     if len(ordered) < 3:
         return np.array(ordered).reshape(-1, 2)
     return np.array(_half(ordered) + _half(ordered[::-1]))

@@ -30,7 +30,8 @@ def resolve_path(robot_file: Path, field: str, text: str) -> Path:
                 robot_file,
                 field,
                 f"names the package '{name}', which is not installed",
-                f"its data; 'pip install {name}' brings those that are on PyPI, a folder of ROS "
+                f"its data: 'pip install {name}' brings those that are on PyPI (of the robots that "
+                "come with this project: 'pip install tsd_casadi[robots]'), a folder of ROS "
                 "packages is found by ROS_PACKAGE_PATH",
             )
         path = folder / rest

@@ -69,6 +69,17 @@ class Foot(abc.ABC):
         """
 
     @abc.abstractmethod
+    def upright(self, home: Any) -> Any:
+        """Turn the frame about its origin until its z axis is up at home.
+
+        Args:
+            home: ``pinocchio.SE3`` of the frame at home, world frame.
+
+        Returns:
+            ``pinocchio.SE3``, from the frame to the turned one.
+        """
+
+    @abc.abstractmethod
     def corners(self, place: Any) -> Matrix:
         """Compute where the foot at a place may press on the ground.
 
@@ -106,6 +117,10 @@ class Sole(Foot):
         """Give the sole's normal, (1, 3), world frame."""
         return np.array([place.rotation[:, 2]])
 
+    def upright(self, home: Any) -> Any:
+        """Leave the frame as it is: a sole's is upright."""
+        return pinocchio.SE3.Identity()
+
     def corners(self, place: Any) -> Matrix:
         """Compute where the sole's corners are, (4, 3) [m], world frame."""
         return np.array([place.act(corner) for corner in self._corners])
@@ -132,6 +147,10 @@ class Point(Foot):
     def normals(self, place: Any) -> Matrix:
         """Give none, (0, 3): a point touches any ground."""
         return np.empty((0, 3))
+
+    def upright(self, home: Any) -> Any:
+        """Turn it into the world's axes."""
+        return pinocchio.SE3(home.rotation.T, np.zeros(3))
 
     def corners(self, place: Any) -> Matrix:
         """Give the point itself, (1, 3) [m], world frame."""

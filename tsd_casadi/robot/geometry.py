@@ -49,7 +49,29 @@ def load_geometry(
     Raises:
         RobotFileError: If a mesh that is there cannot be read.
     """
+    return _load(bodies, copy.deepcopy(bodies.description), use, links)
+
+
+def load_primitives(bodies: RigidBodyModel, links: Collection[str]) -> Any:
+    """Load the collision shapes of links that are boxes, spheres and the like, no meshes.
+
+    Returns:
+        ``pinocchio.GeometryModel``; parent joints are those of ``RigidBodyModel.model``.
+    """
     description = copy.deepcopy(bodies.description)
+    if description.kind == "urdf":
+        for link in description.links().values():
+            for shape in link.findall("collision"):
+                if shape.find("geometry/mesh") is not None:
+                    link.remove(shape)
+    else:
+        _drop_geoms(description.root, None)
+    return _load(bodies, description, "collision", links).model
+
+
+def _load(
+    bodies: RigidBodyModel, description: Description, use: Use, links: Collection[str] | None
+) -> Geometry:
     build = _of_urdf if description.kind == "urdf" else _of_mjcf
     try:
         with captured_stderr():
@@ -121,8 +143,10 @@ def _mesh_folder(root: ElementTree.Element, path: Path) -> Path:
     return path.parent / named
 
 
-def _drop_geoms(root: ElementTree.Element, mesh: str) -> None:
+def _drop_geoms(root: ElementTree.Element, mesh: str | None) -> None:
+    """Remove the geoms of one mesh, or of every mesh."""
     for body in root.iter("body"):
         for geom in body.findall("geom"):
-            if geom.get("mesh") == mesh:
+            named = geom.get("mesh")
+            if named is not None and mesh in (None, named):
                 body.remove(geom)

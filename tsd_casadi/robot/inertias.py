@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
+from tsd_casadi.state import Matrix, Vector
 
 # by which the moments of a flat body may break the triangle inequality: descriptions
 # are written with six digits
@@ -14,11 +17,26 @@ ROUNDING = 1e-5
 DENSITY = 1000.0
 
 
+@dataclass(frozen=True)
+class Written:
+    """Mass and inertia as a description has them; Pinocchio's own type refuses some.
+
+    Attributes:
+        mass: [kg].
+        lever: Centre of mass, (3,) [m].
+        inertia: About it, (3, 3) [kg m^2].
+    """
+
+    mass: float
+    lever: Vector
+    inertia: Matrix
+
+
 def what_is_wrong(inertia: Any) -> str | None:
     """Tell why a body cannot have some mass and inertia.
 
     Args:
-        inertia: ``pinocchio.Inertia``.
+        inertia: ``pinocchio.Inertia``, or what is ``Written``.
 
     Returns:
         The reason, None if a body can have them; one without mass and inertia
@@ -62,7 +80,7 @@ def possible_moments(inertia: Any) -> tuple[float, float, float, float, float, f
     """Compute the moments of a body that are near to impossible ones.
 
     Args:
-        inertia: ``pinocchio.Inertia``.
+        inertia: ``pinocchio.Inertia``, or what is ``Written``.
 
     Returns:
         (xx, yy, zz, xy, xz, yz) about its centre of mass [kg m^2]: the same axes and

@@ -6,7 +6,7 @@ Newton steps from home, as in ``standing``, on the error of feet and tasks
     p_{point} - p_{point}(q) \\ x_{home} + \Delta x - x(q) \end{pmatrix}
 
 for every axis that some task of the robot controls, with :math:`\Delta x` zero
-where nothing is said.
+where nothing is said; tasks that only some motions have count where they are moved.
 """
 
 from __future__ import annotations
@@ -36,11 +36,17 @@ def reach(robot: Robot, middle: State, offsets: Mapping[str, float]) -> State | 
     """
     model, data, home = robot.model, robot.model.createData(), middle.q
     feet = robot.sole_placements(home)
-    places = [_place(robot, data, task, home) for task in robot.description.tasks]
+    moved = {axis.split(".")[0] for axis in offsets}
+    tasks = [
+        task
+        for task in robot.description.tasks
+        if isinstance(task, ComTaskFile) or task.active or task.name in moved
+    ]
+    places = [_place(robot, data, task, home) for task in tasks]
     q = home.copy()
     for alpha in [HOMING] * STEPS + [0.0] * LAST_STEPS:
         errors, jacobians = _feet(robot, data, q, feet)
-        for task, place in zip(robot.description.tasks, places, strict=True):
+        for task, place in zip(tasks, places, strict=True):
             error, J = _task(robot, data, q, task, place, offsets)
             errors.append(error)
             jacobians.append(J)

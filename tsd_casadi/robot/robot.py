@@ -21,7 +21,7 @@ from tsd_casadi.robot.foot import Foot, make_foot
 from tsd_casadi.robot.joint_patterns import values_by_joint
 from tsd_casadi.robot.rigid_body_model import RigidBodyModel
 from tsd_casadi.robot.robot_file import RobotFile, read_robot_file
-from tsd_casadi.robot.robot_file_sections import Contact
+from tsd_casadi.robot.robot_file_sections import ComTaskFile, Contact, FrameTaskFile
 from tsd_casadi.state import State, Vector
 
 # changed whenever the terms of the cost or the equalities change their meaning
@@ -126,7 +126,7 @@ class Robot:
         described = self.description
         meaning = [
             FORMULATION,
-            [(t.type, t.name, getattr(t, "frame", ""), t.axes, t.W) for t in described.tasks],
+            [_meaning_of_task(task) for task in described.tasks],
             [_meaning(contact) for contact in described.contacts],
             [described.posture.W, described.regularization.model_dump()],
         ]
@@ -276,6 +276,13 @@ class Robot:
         placement = data.oMf[self.model.getFrameId(frame)]
         quaternion = pinocchio.Quaternion(placement.rotation).coeffs()
         return np.array(placement.translation), np.array(quaternion)
+
+
+def _meaning_of_task(task: ComTaskFile | FrameTaskFile) -> tuple[object, ...]:
+    """Tell what a task means to the formulation."""
+    meaning: tuple[object, ...] = (task.type, task.name, getattr(task, "frame", ""), task.axes)
+    sometimes = isinstance(task, FrameTaskFile) and not task.active
+    return (*meaning, task.W, "sometimes") if sometimes else (*meaning, task.W)
 
 
 def _meaning(contact: Contact) -> tuple[object, ...]:

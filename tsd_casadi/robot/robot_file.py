@@ -8,8 +8,9 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationError
 
 from tsd_casadi.exceptions import RobotFileError
+from tsd_casadi.robot.robot_file_fallback import FallbackFile, HoldFile
 from tsd_casadi.robot.robot_file_goals import DemoGoalsFile
-from tsd_casadi.robot.robot_file_overrides import FallbackFile, OverridesFile
+from tsd_casadi.robot.robot_file_overrides import OverridesFile
 from tsd_casadi.robot.robot_file_sections import (
     AnyContact,
     ComTaskFile,
@@ -48,8 +49,8 @@ class RobotFile(OverridesFile):
         scene: MuJoCo scene to simulate; made from the description where it is left out.
         postures: Other postures by name, joint angles as for home.
         hardware: What the real robot has beyond rigid bodies; None if unknown.
-        fallback: What a client holds the robot with while no torque comes; None if
-            it is not to be held.
+        fallback: What a client does in periods without a torque; a hold with gains
+            from the robot's weight and height where it is left out.
         demo_goals: What the demonstration has to reach.
     """
 
@@ -70,7 +71,7 @@ class RobotFile(OverridesFile):
     scene: str | None = None
     postures: dict[Name, dict[str, Finite]] = Field(default_factory=dict)
     hardware: HardwareFile | None = None
-    fallback: FallbackFile | None = None
+    fallback: FallbackFile = Field(default_factory=HoldFile)
     demo_goals: DemoGoalsFile = Field(default_factory=DemoGoalsFile)
 
     @property
@@ -102,6 +103,8 @@ def read_robot_file(path: Path) -> RobotFile:
         location = list(first["loc"])
         if location[:1] in (["tasks"], ["contacts"]):
             del location[2:3]  # the part's type, which pydantic puts in between
+        if location[:1] == ["fallback"]:
+            del location[1:2]  # and its kind
         field = ".".join(map(str, location)) or "robot"
         found = _describe(first["type"], first.get("input"))
         raise RobotFileError(path, field, found, _expectation(first)) from error

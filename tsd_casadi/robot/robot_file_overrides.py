@@ -53,15 +53,3 @@ class OverridesFile(Section):
     acceleration: dict[Pattern, Positive] = Field(default_factory=dict)
     links: dict[str, LinkFile] = Field(default_factory=dict)
     base_orientation: Vector3 = (0.0, 0.0, 0.0)
-
-
-class FallbackFile(Section):
-    """What a client holds the robot with while no torque comes.
-
-    Attributes:
-        P: Joint stiffness about the posture where the torques stopped [N m/rad].
-        D: Joint damping [N m s/rad].
-    """
-
-    P: NonNegative
-    D: NonNegative

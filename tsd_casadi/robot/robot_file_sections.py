@@ -130,6 +130,8 @@ class FrameTaskFile(Section):
         P: Stiffness [1/s^2].
         D: Damping [1/s].
         W: Weight [(m/s^2)^-2 or (rad/s^2)^-2].
+        active: Whether the frame is always tracked; otherwise only in motions that move
+            it. A hand that is tracked stays where it is in the world while the rest squats.
     """
 
     type: Literal["frame"]
@@ -139,6 +141,7 @@ class FrameTaskFile(Section):
     P: NonNegative
     D: NonNegative
     W: NonNegative
+    active: Annotated[bool, Field(strict=True)] = True
 
 
 class PostureFile(Section):

@@ -11,7 +11,7 @@ and n is the one, of those that point down, whose patch has the largest hull.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,8 +30,7 @@ FLATNESS = 2e-3
 # a patch narrower than this is an edge or a point: it carries no moment worth planning
 # with (a centimetre is 0.5 N m on each 100 N) [m]
 LEAST_WIDTH = 0.01
-# normals further than this from straight down are sides of the foot (cosine of 45 degrees)
-DOWNWARD = 0.7
+DOWNWARD = 0.7  # cosine of 45 degrees: normals further from straight down are sides of the foot
 # an axis of the link is taken if its patch is this share of the largest: a facet of a
 # mesh tilted by its tolerance must not tilt the sole
 AXIS_SHARE = 0.9
@@ -39,8 +38,7 @@ AXIS_SHARE = 0.9
 AHEAD = 0.94
 # a frame of the description this near to the patch is the sole [m, rad]
 COINCIDENT = 1e-3
-# facets of a mesh's hull that are worth trying, the largest first
-FACETS = 20
+FACETS = 20  # of a mesh's hull that are worth trying, the largest first
 # the link's origin is the sole's, projected, if it is not at the edge of the rectangle
 WELL_INSIDE = 0.9
 
@@ -79,7 +77,12 @@ class SolePatch:
 
 
 def find_sole_patch(
-    path: Path, model: Any, geometries: Mapping[str, Any], frame: int, q: Vector
+    path: Path,
+    model: Any,
+    geometries: Mapping[str, Any],
+    frame: int,
+    q: Vector,
+    missing: Sequence[str] = (),
 ) -> SolePatch:
     """Find the lowest flat patch of a foot.
 
@@ -91,31 +94,34 @@ def find_sole_patch(
         frame: Index of the foot's link, or of a frame on it.
         q: Configuration, shape (nq,): upright, facing along the world's x axis, the feet
             within 45 degrees of flat.
+        missing: Meshes that are not there, for the error.
 
     Raises:
         RobotFileError: If the foot has no geometry or none that is flat.
     """
     data = model.createData()
-    pinocchio.framesForwardKinematics(model, data, q)
-    joint = model.frames[frame].parentJoint
+    pinocchio.forwardKinematics(model, data, q)
+    upright = data.oMi[model.frames[frame].parentJoint]
+    down = upright.rotation.T @ np.array([0.0, 0.0, -1.0])
     found = []
     for source, geometry in geometries.items():
-        points = points_of_link(model, geometry, frame)
+        points = points_of_link(model, geometry, frame, down)
         if points is None:
             found.append(f"no {source} geometry")
             continue
-        patch = _patch_of(points, data.oMi[joint])
+        patch = _patch_of(points, upright)
         if patch is not None:
             return _placed(model, frame, patch, source)
         found.append(f"{source} geometry of {points.kinds}, which touches in a point or a line")
+    if missing:
+        found.append(f"meshes that are not there ({', '.join(missing)})")
     raise RobotFileError(
         path,
         f"link {model.frames[frame].name}",
         f"has {' and '.join(found)}",
         f"a foot with a patch flat to {1e3 * FLATNESS:g} mm and wider than "
         f"{1e3 * LEAST_WIDTH:g} mm: a box, a mesh, or at least three spheres; "
-        "or write the contact into the robot file by hand (a sole with offset, x and y, "
-        "or 'type: point')",
+        "or a contact written by hand, a sole with offset, x and y, or 'type: point'",
     )
 
 
@@ -129,21 +135,18 @@ def _patch_of(points: SweptPoints, upright: Any) -> tuple[Any, Matrix] | None:
     largest = max(size for size, _ in sized)
     if largest <= 0:
         return None
-    wanted = (normal for size, normal in sized[: len(simple)] if size >= AXIS_SHARE * largest)
-    best = next((normal for size, normal in sized if size == largest))
-    normal = next(wanted, best)
+    wanted = [normal for size, normal in sized[: len(simple)] if size >= AXIS_SHARE * largest]
+    best = [normal for size, normal in sized if size == largest]
+    normal = [*wanted, *best][0]
     R = _axes(normal, ahead)
     lowest = points.lowest(normal, FLATNESS)
     outline = hull(lowest @ R[:, :2])
-    height = float(np.max(lowest @ normal))
-    center = np.mean(np.array(largest_rectangle(outline)), axis=1)
-    # below the joint, where that is under the foot: numbers that people recognise
-    inside = np.zeros(2)
-    (x_low, x_high), (y_low, y_high) = largest_rectangle(outline)
-    half = WELL_INSIDE * 0.5 * np.array([x_high - x_low, y_high - y_low])
-    origin = np.where(np.abs(center - inside) < half, inside, center)
-    placement = pinocchio.SE3(R, R @ np.array([*origin, -height]))
-    return placement, outline - origin
+    rectangle = np.array(largest_rectangle(outline))
+    center, half = rectangle.mean(axis=1), np.ptp(rectangle, axis=1) / 2
+    # straight below the joint where that is under the foot: numbers that people recognise
+    origin = np.where(np.abs(center) < WELL_INSIDE * half, 0.0, center)
+    depth = float(np.max(lowest @ normal))
+    return pinocchio.SE3(R, R @ np.array([*origin, -depth])), outline - origin
 
 
 def _size(points: SweptPoints, normal: Vector, ahead: Vector) -> float:
@@ -174,17 +177,18 @@ def _placed(model: Any, frame: int, patch: tuple[Any, Matrix], source: str) -> S
     placement, outline = patch
     named = model.frames[frame]
     height = float(placement.actInv(named.placement).translation[2])
-    ahead = outline[:, 0] + float(placement.actInv(np.zeros(3))[0]) * -1.0
+    ahead = outline[:, 0] - float(placement.actInv(np.zeros(3))[0])
     extent = (float(ahead.min()), float(ahead.max()))
-    links = [i for i, each in enumerate(model.frames) if each.parentJoint == named.parentJoint]
-    for index in [frame, *links]:
+    rigid = [i for i, each in enumerate(model.frames) if each.parentJoint == named.parentJoint]
+    links = [i for i in rigid if model.frames[i].type == pinocchio.FrameType.BODY]
+    for index in [frame, *links, *rigid]:
         offset = model.frames[index].placement.actInv(placement)
         if _coincides(offset):
             shifted = outline + offset.translation[:2]
             x, y = largest_rectangle(shifted)
             if x[0] < 0 < x[1] and y[0] < 0 < y[1]:
-                name, there = str(model.frames[index].name), pinocchio.SE3.Identity()
-                return SolePatch(name, index, there, x, y, shifted, source, height, extent)
+                name, here = str(model.frames[index].name), pinocchio.SE3.Identity()
+                return SolePatch(name, index, here, x, y, shifted, source, height, extent)
     x, y = largest_rectangle(outline)
     offset = named.placement.actInv(placement)
     return SolePatch(str(named.name), frame, offset, x, y, outline, source, height, extent)
@@ -192,5 +196,5 @@ def _placed(model: Any, frame: int, patch: tuple[Any, Matrix], source: str) -> S
 
 def _coincides(offset: Any) -> bool:
     """Whether a frame is in the plane of the patch with its axes, wherever in that plane."""
-    turned = float(np.linalg.norm(pinocchio.log3(offset.rotation)))
-    return abs(float(offset.translation[2])) <= COINCIDENT and turned <= COINCIDENT
+    turned = np.linalg.norm(pinocchio.log3(offset.rotation))
+    return bool(max(abs(offset.translation[2]), turned) <= COINCIDENT)

@@ -12,6 +12,9 @@ from tsd_casadi.state import Matrix, Vector
 
 # corners of the polygon that stands for a cylinder's rim: 5 mm off a rim of 1 m at most
 RIM = 32
+# a cylinder whose axis is further from straight down lies on its side, and touches the
+# ground in a line as a capsule does (cosine of 45 degrees)
+LYING = 0.7
 # singular value, relative to the largest, below which points are in one plane
 PLANAR = 1e-4
 
@@ -74,13 +77,14 @@ class SweptPoints:
         return [np.array(key) / np.linalg.norm(key) for key in largest]
 
 
-def points_of_link(model: Any, geometry: Any, frame: int) -> SweptPoints | None:
+def points_of_link(model: Any, geometry: Any, frame: int, down: Vector) -> SweptPoints | None:
     """Collect the geometry of a link, or of what is fixed to it if it has none itself.
 
     Args:
         model: ``pinocchio.Model``.
         geometry: ``pinocchio.GeometryModel``.
         frame: Index of a link's frame, or of a frame on it.
+        down: Where the foot's underside is, in the frame of its joint, (3,).
 
     Returns:
         In the frame of the joint that carries the link, or None if there is none.
@@ -89,7 +93,7 @@ def points_of_link(model: Any, geometry: Any, frame: int) -> SweptPoints | None:
     rigid = [part for part in geometry.geometryObjects if part.parentJoint == joint]
     own = [part for part in rigid if part.parentFrame == frame]
     parts = own or rigid
-    balls = [(part, *_balls(model, part)) for part in parts]
+    balls = [(part, *_balls(model, part, down)) for part in parts]
     balls = [(part, centers, radii) for part, centers, radii in balls if len(centers)]
     if not balls:
         return None
@@ -107,7 +111,7 @@ def _kind(shape: Any) -> str:
     return "mesh" if name.startswith(("BVH", "Convex")) else name.lower()
 
 
-def _balls(model: Any, part: Any) -> tuple[Matrix, Vector]:
+def _balls(model: Any, part: Any, down: Vector) -> tuple[Matrix, Vector]:
     """Represent one shape by centres and radii in its own frame; none if it has no corners."""
     shape = part.geometry
     kind = type(shape).__name__
@@ -116,7 +120,8 @@ def _balls(model: Any, part: Any) -> tuple[Matrix, Vector]:
         return signs * np.array(shape.halfSide), np.zeros(8)
     if kind == "Sphere":
         return np.zeros((1, 3)), np.array([shape.radius])
-    if kind == "Capsule":
+    lies = abs(part.placement.rotation[:, 2] @ down) < LYING
+    if kind == "Capsule" or (kind == "Cylinder" and lies):
         ends = np.array([[0, 0, -shape.halfLength], [0, 0, shape.halfLength]])
         return ends, np.full(2, shape.radius)
     if kind == "Cylinder":

@@ -25,10 +25,17 @@ class FrameTask(Task):
     """
 
     def __init__(
-        self, name: str, frame: str, axes: tuple[str, ...], P: float, D: float, W: float
+        self,
+        name: str,
+        frame: str,
+        axes: tuple[str, ...],
+        P: float,
+        D: float,
+        W: float,
+        active: bool = True,
     ) -> None:
         """Create the task with its defaults."""
-        super().__init__(name, axes, P, D, W)
+        super().__init__(name, axes, P, D, W, active)
         self.frame = frame
 
     def reference_field(self, robot: Robot) -> Field:

@@ -19,7 +19,8 @@ def make_tasks(robot: Robot) -> list[Task]:
         if part.type == "com":
             tasks.append(ComTask(part.name, part.axes, part.P, part.D, part.W))
         else:
+            frame = robot.frame_name(part.name)
             tasks.append(
-                FrameTask(part.name, robot.frame_name(part.name), part.axes, part.P, part.D, part.W)
+                FrameTask(part.name, frame, part.axes, part.P, part.D, part.W, part.active)
             )
     return tasks

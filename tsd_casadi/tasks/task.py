@@ -48,15 +48,25 @@ class Task(abc.ABC):
         P: Default stiffness [1/s^2].
         D: Default damping [1/s].
         W: Default weight.
+        active: Whether it counts where nothing is said.
     """
 
-    def __init__(self, name: str, axes: tuple[str, ...], P: float, D: float, W: float) -> None:
+    def __init__(
+        self,
+        name: str,
+        axes: tuple[str, ...],
+        P: float,
+        D: float,
+        W: float,
+        active: bool = True,
+    ) -> None:
         """Create the task with its defaults."""
         self.name = name
         self.axes = axes
         self.P = P
         self.D = D
         self.W = W
+        self.active = active
 
     @property
     def k(self) -> int:
@@ -123,7 +133,7 @@ class Task(abc.ABC):
                 1,
                 "1",
                 "1: track the task, 0: leave it out",
-                default=(1.0,),
+                default=(float(self.active),),
                 switch=True,
             ),
         )

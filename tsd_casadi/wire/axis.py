@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -32,7 +33,12 @@ Axes = Annotated[list[AxisMessage], Field(min_length=1, max_length=50)]
 
 def axis_messages(axes: Sequence[str]) -> list[AxisMessage]:
     """Describe axes."""
-    return [AxisMessage.model_validate({"name": axis, "unit": unit_of_axis(axis)}) for axis in axes]
+    return [_axis_message(axis) for axis in axes]
+
+
+@lru_cache(1_000)
+def _axis_message(axis: str) -> AxisMessage:
+    return AxisMessage.model_validate({"name": axis, "unit": unit_of_axis(axis)})
 
 
 def plain_axes(axes: Sequence[AxisMessage]) -> tuple[str, ...]:

@@ -15,11 +15,13 @@ from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.record import context_of
 from tsd_casadi.robot.robot import Robot, load_robot
+from tsd_cli.actions.aborted import ABORTED
 from tsd_cli.actions.prepare import (
     asked_motion,
     chosen_axes,
     chosen_compensators,
     chosen_gains,
+    chosen_pace,
     make_simulator,
     open_controller,
     open_learner,
@@ -30,6 +32,7 @@ from tsd_cli.interrupt import interruptible
 from tsd_cli.options.learning import FirstChoice, LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
 from tsd_cli.options.output import JsonOptions
+from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
 from tsd_cli.output import check_outputs, put_out
@@ -43,6 +46,7 @@ def learn_by_repetition(
     learning: LearningOptions,
     places: PlaceOptions,
     repetition: RepetitionOptions,
+    time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
     output: JsonOptions,
@@ -51,6 +55,7 @@ def learn_by_repetition(
 
     Raises:
         TsdError: If it cannot be done as asked; what was learned before is shown.
+        typer.Exit: If a repetition was ended early; what was run of it is shown, too.
     """
     check_outputs(output)
     robot = load_robot(body.robot)
@@ -62,7 +67,7 @@ def learn_by_repetition(
         raise InvalidValue("--region", ", ".join(places.region), "--auto with it")
     asked_region = places.region or [default_name(type(wanted))]
     region = read_region(asked_region, robot, type(wanted)) if places.auto else {}
-    gains = chosen_gains(repetition)
+    gains, pace = chosen_gains(repetition), chosen_pace(time)
     compensators = chosen_compensators(repetition, robot)
     context = context_of(robot, "".join(item.correction for item in compensators))
     simulator = make_simulator(body, robot, repetition.period)
@@ -75,7 +80,7 @@ def learn_by_repetition(
     runs = (learning.iterations + 1.0) * max(places.auto, 1)
     with (
         open_learner(services) as learner,
-        open_controller(services, robot) as controller,
+        open_controller(services, robot, time.patience) as controller,
         show_progress(f"learning {wanted.name}", runs) as progress,
     ):
 
@@ -90,7 +95,7 @@ def learn_by_repetition(
             learner=learner,
             axes=axes,
             iterations=learning.iterations,
-            patience=rule.patience if learning.patience is None else learning.patience,
+            patience=rule.patience if learning.stop_after is None else learning.stop_after,
             restart=learning.restart,
             rule=rule.name,
             laps=repetition.laps,
@@ -98,13 +103,18 @@ def learn_by_repetition(
             compensators=compensators,
             seed=repetition.seed,
             transport=services.controller.value,
+            pace=pace,
             progress=progress_of,
             on_run=story.keep_run,
             on_learned=story.keep_contractions,
+            on_abort=story.keep_aborted,
         )
         first = partial(_ask_first, learning.first, learner, robot, axes, context)
         if not places.auto:
-            learn_at([wanted], first=first(wanted))
+            try:
+                learn_at([wanted], first=first(wanted))
+            except TsdError as error:
+                failure = error  # shown after what was run before it
         fixed = {name: value for name, value in wanted.parameters.items() if name not in region}
         for _ in range(places.auto):
             before = len(story.summaries)
@@ -130,7 +140,11 @@ def learn_by_repetition(
                 failure = error  # shown after what was learned before it
             story.keep_place(place, before)
     result = {"robot": robot.name, "motion": wanted.name, "axes": list(axes), **story.plain()}
-    put_out(result, output, lambda: story.show(wanted, rule, places))
+    if failure is None or story.summaries:
+        put_out(result, output, lambda: story.show(wanted, rule, places))
+    if failure is not None and story.was_aborted:
+        typer.echo(f"error: {failure}", err=True)
+        raise typer.Exit(ABORTED)
     if failure is not None:
         raise failure
 

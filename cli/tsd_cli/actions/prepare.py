@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 
+import typer
+
 from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
 from tsd_casadi.compilation.compile_controller import compile_controller
 from tsd_casadi.controller.controller import Controller, WholeBodyController
@@ -16,13 +18,17 @@ from tsd_casadi.motions.ranges import check_motion
 from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
 from tsd_casadi.repetition.compensator import Compensator
 from tsd_casadi.repetition.gains import Gains
+from tsd_casadi.repetition.pace import Pace
+from tsd_casadi.repetition.patience import PATIENCE, check_patience
 from tsd_casadi.repetition.repeat import usual_axes
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.wire.endpoints import CONTROLLER, LEARNER
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
+from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ConnectOptions, ControllerChoice, ServiceOptions
 from tsd_clients.console.progress import show_activity
+from tsd_clients.remote.lock_step import NOTICEABLE
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_clients.simulator.model_error import ModelError
@@ -88,6 +94,16 @@ def chosen_gains(options: RepetitionOptions) -> Gains:
     return Gains(options.p_scale, options.d_scale)
 
 
+def chosen_pace(options: PaceOptions) -> Pace | None:
+    """Read how fast it goes by the clock; None if simulated time waits for answers.
+
+    Raises:
+        InvalidValue: If pace or patience is out of range.
+    """
+    check_patience(options.patience)
+    return None if options.pace is None else Pace(options.pace, options.patience)
+
+
 def chosen_compensators(options: RepetitionOptions, robot: Robot) -> list[Compensator]:
     """Read the compensators of the options.
 
@@ -111,8 +127,13 @@ def compile_with_activity(robot: Robot) -> Controller:
 
 
 @contextmanager
-def open_controller(options: ServiceOptions, robot: Robot) -> Iterator[WholeBodyController]:
+def open_controller(
+    options: ServiceOptions, robot: Robot, patience: float = PATIENCE
+) -> Iterator[WholeBodyController]:
     """Open the controller of the options, and close it at the end.
+
+    Args:
+        patience: How long it may be silent [s].
 
     Raises:
         ServiceUnreachable: If no service answers.
@@ -122,7 +143,7 @@ def open_controller(options: ServiceOptions, robot: Robot) -> Iterator[WholeBody
         yield compile_with_activity(robot)
         return
     with RemoteController(
-        robot.name, options.endpoints(CONTROLLER), zenoh_file=options.zenoh_file()
+        robot.name, options.endpoints(CONTROLLER), patience, zenoh_file=options.zenoh_file()
     ) as remote:
         if remote.model != robot.fingerprint:
             raise SimulationError(
@@ -130,7 +151,18 @@ def open_controller(options: ServiceOptions, robot: Robot) -> Iterator[WholeBody
                 f"{remote.model}) than {robot.path} (model {robot.fingerprint}); start it again "
                 "with the same --robot"
             )
-        yield remote
+        try:
+            yield remote
+        finally:
+            _tell_what_was_waited_for(remote)
+
+
+def _tell_what_was_waited_for(remote: RemoteController) -> None:
+    """Say what simulated time stood still for, if a user would have noticed."""
+    waited = {cause.words: seconds for cause, seconds in remote.waited.items() if seconds}
+    if sum(waited.values()) > NOTICEABLE:
+        parts = ", ".join(f"{words} {seconds:.1f} s" for words, seconds in waited.items())
+        typer.echo(f"note: waited for the controller: {parts}", err=True)
 
 
 def open_learner(options: ConnectOptions) -> RemoteLearner:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import Any
 
-from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.exceptions import InvalidValue, RobotFileError
 from tsd_casadi.motions.catalogue import shipped_motions
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.output import JsonOptions
 from tsd_cli.output import check_outputs, put_out
-from tsd_clients.console.table import Column, print_table
+from tsd_clients.console.table import Column, console, print_table
 from tsd_models import robot_files
 
 
@@ -28,7 +28,14 @@ def show_robots(output: JsonOptions) -> None:
 
 
 def _describe(name: str) -> dict[str, Any]:
-    robot = load_robot(name)
+    try:
+        robot = load_robot(name)
+    except RobotFileError as error:
+        # its description is in a package that is not there
+        empty: dict[str, list[str]] = {
+            key: [] for key in ("joints", "contacts", "tasks", "motions")
+        }
+        return {"name": name, **empty, "file": str(error.path), "missing": str(error)}
     description = robot.description
     return {
         "name": robot.name,
@@ -65,3 +72,6 @@ def _print(robots: list[dict[str, Any]]) -> None:
         Column("file", [robot["file"] for robot in robots], rank=3, is_text=True),
     ]
     print_table("", columns)
+    for robot in robots:
+        if "missing" in robot:
+            console.print(f"{robot['name']}: {robot['missing']}", highlight=False, markup=False)

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import typer
 
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.record import context_of
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot, load_robot
+from tsd_cli.actions.aborted import keep_aborted
 from tsd_cli.actions.label import describe_motion, label_of
 from tsd_cli.actions.prepare import (
     asked_motion,
     chosen_axes,
     chosen_compensators,
     chosen_gains,
+    chosen_pace,
     make_simulator,
     open_controller,
     open_learner,
@@ -22,6 +27,7 @@ from tsd_cli.actions.prepare import (
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.motion import FeedforwardChoice, MotionOptions, SingleRepetitionOptions
 from tsd_cli.options.output import LogOptions
+from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
 from tsd_cli.output import check_outputs, put_out
@@ -36,6 +42,7 @@ FELL = 3
 def simulate_once(
     motion: MotionOptions,
     repetition: SingleRepetitionOptions,
+    time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
     output: LogOptions,
@@ -44,7 +51,7 @@ def simulate_once(
 
     Raises:
         TsdError: If it cannot be done as asked.
-        typer.Exit: If the robot fell.
+        typer.Exit: If the robot fell, or the run was ended early.
     """
     check_outputs(output, output.log)
     if output.log is not None:
@@ -52,7 +59,7 @@ def simulate_once(
     robot = load_robot(body.robot)
     wanted = asked_motion(motion, robot)
     axes = chosen_axes(motion, robot, wanted)
-    gains = chosen_gains(repetition)
+    gains, pace = chosen_gains(repetition), chosen_pace(time)
     compensators = chosen_compensators(repetition, robot)
     if repetition.feedforward is FeedforwardChoice.GENERALIZED:
         compensators.append(FeedforwardGate())
@@ -60,7 +67,8 @@ def simulate_once(
     correction = "".join(item.correction for item in compensators)
     learned = _ask(repetition.feedforward, robot, wanted, axes, correction, services)
     with (
-        open_controller(services, robot) as controller,
+        keep_aborted(partial(_put_out, output=output)) as keep,
+        open_controller(services, robot, time.patience) as controller,
         show_progress(describe_motion(wanted), 1.0) as progress,
     ):
         run = simulator.run(
@@ -74,9 +82,9 @@ def simulate_once(
             seed=repetition.seed,
             transport=services.controller.value,
             progress=progress,
+            pace=pace,
+            on_abort=keep,
         )
-    if output.log is not None:
-        save_log(run, output.log)
     for veto in run.vetoes:
         typer.echo(f"note: {veto}", err=True)
     missing = [] if learned is None else [axis for axis in axes if axis not in learned.axes]
@@ -84,10 +92,16 @@ def simulate_once(
         typer.echo(
             f"note: nothing was learned along {', '.join(missing)} yet: zero there", err=True
         )
-    summary = {"label": label_of(run), **run.summary()}
-    put_out(summary, output, lambda: print_runs("simulation", [summary]))
+    _put_out(run, output)
     if run.fell:
         raise typer.Exit(FELL)
+
+
+def _put_out(run: Run, output: LogOptions) -> None:
+    if output.log is not None:
+        save_log(run, output.log)
+    summary = {"label": label_of(run), **run.summary()}
+    put_out(summary, output, lambda: print_runs("simulation", [summary]))
 
 
 def _ask(

@@ -25,10 +25,12 @@ class Story:
     Attributes:
         summaries: Of the runs, plain data.
         places: Where learning went by itself, plain data.
+        was_aborted: Whether something ended a repetition early.
     """
 
     def __init__(self) -> None:
         """Begin with nothing."""
+        self.was_aborted = False
         self.summaries: list[dict[str, Any]] = []
         self.places: list[dict[str, Any]] = []
         self._learned: list[tuple[Motion, Sequence[Contraction]]] = []
@@ -38,6 +40,11 @@ class Story:
         self.summaries.append({"label": label_of(run), **run.summary(), "notes": notes})
         for note in notes:
             typer.echo(f"note: {note}", err=True)
+
+    def keep_aborted(self, run: Run) -> None:
+        """Note what was run of a repetition that something ended early."""
+        self.was_aborted = True
+        self.keep_run(run, [f"aborted after {run.ticks} periods, nothing was recorded of it"])
 
     def keep_contractions(self, motion: Motion, contractions: Sequence[Contraction]) -> None:
         """Note what iterations leave of a motion's error."""

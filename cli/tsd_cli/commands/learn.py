@@ -6,6 +6,7 @@ from tsd_cli.option_groups import with_groups
 from tsd_cli.options.learning import LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
 from tsd_cli.options.output import JsonOptions
+from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
 
@@ -16,6 +17,7 @@ def learn(
     learning: LearningOptions,
     places: PlaceOptions,
     repetition: RepetitionOptions,
+    time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
     output: JsonOptions,
@@ -33,4 +35,4 @@ def learn(
     """
     from tsd_cli.actions.learn import learn_by_repetition
 
-    learn_by_repetition(motion, learning, places, repetition, body, services, output)
+    learn_by_repetition(motion, learning, places, repetition, time, body, services, output)

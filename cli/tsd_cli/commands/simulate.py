@@ -5,6 +5,7 @@ from __future__ import annotations
 from tsd_cli.option_groups import with_groups
 from tsd_cli.options.motion import MotionOptions, SingleRepetitionOptions
 from tsd_cli.options.output import LogOptions
+from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
 
@@ -13,6 +14,7 @@ from tsd_cli.options.services import ServiceOptions
 def simulate(
     motion: MotionOptions,
     repetition: SingleRepetitionOptions,
+    time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
     output: LogOptions,
@@ -28,6 +30,10 @@ def simulate(
 
       tsd simulate squat --controller local --log run.csv
 
+    Against the clock, whatever happens to the controller; docs/reliability.md:
+
+      tsd simulate squat --pace 1 --patience inf
+
     Another motion, with its own parameters, and one of your own:
 
       tsd simulate twist --amplitude 0.15 --frequency 0.5
@@ -35,4 +41,4 @@ def simulate(
     """
     from tsd_cli.actions.simulate import simulate_once
 
-    simulate_once(motion, repetition, body, services, output)
+    simulate_once(motion, repetition, time, body, services, output)

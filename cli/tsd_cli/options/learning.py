@@ -50,10 +50,10 @@ class LearningOptions:
             "change arrived; for joints in which friction takes most of it.",
         ),
     ] = RuleChoice.GUARDED
-    patience: Annotated[
+    stop_after: Annotated[
         int | None,
         typer.Option(
-            "--patience",
+            "--stop-after",
             metavar="N",
             min=1,
             help="Stop after so many iterations in a row without a smaller error. Default: "

@@ -9,7 +9,7 @@ from rich.markup import escape
 
 from tsd_clients.console.table import Column, console, print_table
 
-COLOURS = {"error": "red", "warning": "yellow", "note": "dim"}
+COLORS = {"error": "red", "warning": "yellow", "note": "dim"}
 
 
 def print_examination(name: str, examination: Mapping[str, Any]) -> None:
@@ -34,9 +34,9 @@ def print_examination(name: str, examination: Mapping[str, Any]) -> None:
     )
     console.print()
     for finding in examination["findings"]:
-        colour, severity = COLOURS[finding["severity"]], finding["severity"]
+        color, severity = COLORS[finding["severity"]], finding["severity"]
         console.print(
-            f"[{colour}]{severity}[/{colour}] {escape(finding['element'])} "
+            f"[{color}]{severity}[/{color}] {escape(finding['element'])} "
             f"{escape(finding['found'])}; {escape(finding['remedy'])}",
             highlight=False,
         )

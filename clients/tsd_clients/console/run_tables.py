@@ -42,8 +42,8 @@ def print_runs(title: str, summaries: Sequence[Mapping[str, Any]]) -> None:
         Column(f"true RMS\n{unit}", lengths("true_rms"), rank=2),
         Column(f"|fb|\n{rate}", feedback, rank=3),  # mean absolute feedback
         Column("laps", of_run(lambda run: f"{run['laps_measured']}/{run['laps_run']}"), rank=4),
-        Column("p50\nµs", of_run(lambda run: f"{run['tick_us']['p50']:.0f}"), rank=6),
-        Column("p99\nµs", of_run(lambda run: f"{run['tick_us']['p99']:.0f}"), rank=7),
+        Column("p50\nµs", of_run(lambda run: number_text(run["tick_us"]["p50"], 1.0, 0)), rank=6),
+        Column("p99\nµs", of_run(lambda run: number_text(run["tick_us"]["p99"], 1.0, 0)), rank=7),
     ]
     if several:  # what the iterations are ranked by: of one axis it is P times the RMS
         ranks = of_run(lambda run: number_text(run["rank"], 1.0, 5))
@@ -115,7 +115,10 @@ def _remarks(summary: Mapping[str, Any]) -> str:
     remarks = []
     if summary["fell"]:
         remarks.append("fell")
+    elif summary["aborted"]:
+        remarks.append("aborted")
     elif not summary["steady"]:
         remarks.append("never steady")
     remarks += [f"{count} ticks {status}" for status, count in summary["failures"].items()]
+    remarks += [f"{count} periods missed, {why}" for why, count in summary["missed"].items()]
     return f" [red]({', '.join(remarks)})[/red]" if remarks else ""

@@ -6,12 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rich import box
+from rich.cells import cell_len
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 # as wide as the terminal, or COLUMNS; 80 columns where the output is no terminal
 console = Console()
+# between two columns: the padding of the left one and the box's divider
+BETWEEN = 2
 
 
 @dataclass(frozen=True)
@@ -42,14 +46,20 @@ def print_table(title: str, columns: Sequence[Column]) -> None:
         columns: In the order they are shown.
     """
     shown, left_out = list(columns), []
-    while _width(shown) > console.width and any(column.rank for column in shown):
+    # Rich would measure every cell anew for each column that leaves
+    widths = {id(column): _column_width(column) for column in columns}
+
+    def width() -> int:
+        return sum(widths[id(column)] for column in shown) + BETWEEN * (len(shown) - 1)
+
+    while width() > console.width and any(column.rank for column in shown):
         last = max(shown, key=lambda column: column.rank)
         shown.remove(last)
         left_out.append(last)
     console.print()
     if title:
         console.print(f"[italic]{escape(title)}[/italic]", highlight=False)
-    console.print(_table(shown, may_break=_width(shown) > console.width))
+    console.print(_table(shown, may_break=width() > console.width))
     if left_out:
         # in the order of the table
         names = [" ".join(column.heading.split()) for column in columns if column in left_out]
@@ -72,6 +82,11 @@ def _table(columns: Sequence[Column], *, may_break: bool) -> Table:
     return table
 
 
-def _width(columns: Sequence[Column]) -> int:
-    endless = console.options.update(width=10_000)
-    return console.measure(_table(columns, may_break=False), options=endless).maximum
+def _column_width(column: Column) -> int:
+    lines = [line for cell in (column.heading, *column.cells) for line in cell.split("\n")]
+    return max(_text_width(line) for line in lines)
+
+
+def _text_width(text: str) -> int:
+    # only what may be markup or an emoji's name has to be parsed, which takes long
+    return Text.from_markup(text).cell_len if "[" in text or ":" in text else cell_len(text)

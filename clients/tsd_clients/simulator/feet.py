@@ -11,6 +11,7 @@ import numpy as np
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.robot.robot_file_sections import SoleFile
 from tsd_clients.simulator.ground import contact_options
+from tsd_clients.simulator.undersides import find_undersides, sole_extents
 
 # of a sole's box: inside any foot, and far deeper than a sole sinks in [m]
 THICKNESS = 0.01
@@ -25,11 +26,13 @@ def add_feet(robot: Robot, bodies: Sequence[Any]) -> None:
     Args:
         bodies: ``MjsBody`` of each of Pinocchio's joints.
     """
-    for contact, index in zip(robot.description.contacts, robot.sole_frames, strict=True):
-        frame = robot.model.frames[index]
-        body, placement = bodies[frame.parentJoint], frame.placement
+    undersides = find_undersides(robot)
+    homes = robot.sole_placements(robot.home.q)
+    for contact, foot, home in zip(robot.description.contacts, robot.feet, homes, strict=True):
+        frame = robot.model.frames[foot.frame]
+        body, placement = bodies[frame.parentJoint], frame.placement * foot.upright(home)
         if isinstance(contact, SoleFile):
-            bounds = np.array([contact.x, contact.y])
+            bounds = np.array(sole_extents(contact, undersides[contact.name]))
             middle, half = bounds.mean(axis=1), np.ptp(bounds, axis=1) / 2
             size, center = (*half, THICKNESS / 2), (*middle, THICKNESS / 2)
             kind = mujoco.mjtGeom.mjGEOM_BOX

@@ -40,12 +40,13 @@ def compare_ground(
         )
         values = "missing", "something to stand on", f"add {floor} to its worldbody"
         return [Discrepancy("world", "the floor", *values)]
-    found = _level(model, floors)
+    found = _level(model, scene.data, floors)
     data = robot.model.createData()
     pinocchio.framesForwardKinematics(robot.model, data, pinocchio.neutral(robot.model))
-    for contact, frame in zip(robot.description.contacts, robot.sole_frames, strict=True):
-        joint = robot.model.frames[frame].parentJoint
-        sole = displacements[joint] * data.oMf[frame]
+    homes = robot.sole_placements(robot.home.q)
+    for contact, foot, home in zip(robot.description.contacts, robot.feet, homes, strict=True):
+        joint = robot.model.frames[foot.frame].parentJoint
+        sole = displacements[joint] * data.oMf[foot.frame] * foot.upright(home)
         name = robot.model.names[joint] if joint > 1 else ""
         bodies = [body for body, mover in enumerate(scene.joint_of) if mover == name]
         feet = [
@@ -66,19 +67,27 @@ def compare_ground(
     return found + _touching(robot, model, floors)
 
 
-def _level(model: Any, floors: list[int]) -> list[Discrepancy]:
-    planes = [geom for geom in floors if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE]
-    found = []
-    for geom in planes:
-        normal = np.empty(3)
-        mujoco.mju_rotVecQuat(normal, np.array([0.0, 0.0, 1.0]), model.geom_quat[geom])
-        height, tilt = float(normal @ model.geom_pos[geom]), float(np.linalg.norm(normal[:2]))
-        if model.geom_bodyid[geom] == 0 and max(abs(height), tilt) > FLATNESS:
-            values = f"{1e3 * height:.1f} mm high, tilted by {tilt:.4f} rad", "the plane z = 0"
-            name = model.geom(geom).name or f"number {geom}"
-            remedy = "set its pos to 0 0 0 and delete its quat; the robot starts on z = 0"
-            found.append(Discrepancy(f"geom {name}", "the floor", *values, remedy))
-    return found
+def _level(model: Any, data: Any, floors: list[int]) -> list[Discrepancy]:
+    """See to a floor on which the robot starts: a plane, else the top of a box."""
+    kinds = mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_BOX
+    flat = [[geom for geom in floors if model.geom_type[geom] == kind] for kind in kinds]
+    candidates = flat[0] or flat[1]
+    if not candidates:
+        return []  # terrain is the user's own business
+    off = {}
+    for geom in candidates:
+        normal = data.geom_xmat[geom].reshape(3, 3)[:, 2]
+        thickness = model.geom_size[geom, 2] if geom in flat[1] else 0.0
+        height = float(normal @ data.geom_xpos[geom] + thickness)
+        off[geom] = height, float(np.linalg.norm(normal[:2]))
+    nearest = min(off, key=lambda geom: max(map(abs, off[geom])))
+    height, tilt = off[nearest]
+    if max(abs(height), tilt) <= FLATNESS:
+        return []
+    values = f"{1e3 * height:.1f} mm high, tilted by {tilt:.4f} rad", "the plane z = 0"
+    name = model.geom(nearest).name or f"number {nearest}"
+    remedy = "put its surface on z = 0, level: that is where the robot starts"
+    return [Discrepancy(f"geom {name}", "the floor", *values, remedy)]
 
 
 def _friction(model: Any, contact: Contact, feet: list[tuple[int, list[int]]]) -> list[Discrepancy]:

@@ -9,6 +9,7 @@ import coal
 import mujoco
 import numpy as np
 
+from tsd_casadi.robot.collada import turn_of
 from tsd_casadi.robot.geometry import load_geometry
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
@@ -37,7 +38,7 @@ def add_visuals(spec: Any, robot: Robot) -> tuple[str, ...]:
     shown = set()
     for number, shape in enumerate(geometry.model.geometryObjects):
         link = robot.bodies.link_of(shape.parentJoint)
-        for options in _geoms(spec, shape, f"visual {number}"):
+        for options in _geoms(spec, robot, shape, f"visual {number}"):
             spec.body(link).add_geom(
                 quat=_wxyz(shape.placement.rotation),
                 rgba=_color(shape),
@@ -55,7 +56,7 @@ def add_visuals(spec: Any, robot: Robot) -> tuple[str, ...]:
     return geometry.missing
 
 
-def _geoms(spec: Any, shape: Any, name: str) -> Iterator[dict[str, Any]]:
+def _geoms(spec: Any, robot: Robot, shape: Any, name: str) -> Iterator[dict[str, Any]]:
     kind, types = shape.geometry, mujoco.mjtGeom
     if isinstance(kind, coal.Box):
         yield {"type": types.mjGEOM_BOX, "size": kind.halfSide}
@@ -68,12 +69,13 @@ def _geoms(spec: Any, shape: Any, name: str) -> Iterator[dict[str, Any]]:
     elif isinstance(kind, coal.Ellipsoid):
         yield {"type": types.mjGEOM_ELLIPSOID, "size": kind.radii}
     elif isinstance(kind, coal.BVHModelBase):
-        yield from _mesh(spec, kind, name, mirrored=np.prod(shape.meshScale) < 0)
+        yield from _mesh(spec, robot, shape, name)
 
 
-def _mesh(spec: Any, mesh: Any, name: str, *, mirrored: bool) -> Iterator[dict[str, Any]]:
-    vertices, faces = triangles(mesh)
-    if mirrored:
+def _mesh(spec: Any, robot: Robot, shape: Any, name: str) -> Iterator[dict[str, Any]]:
+    vertices, faces = triangles(shape.geometry)
+    vertices = vertices @ turn_of(robot.model, shape, vertices).T
+    if np.prod(shape.meshScale) < 0:
         faces = faces[:, ::-1]  # what was outside is again
     # of vertices alone MuJoCo makes their hull
     parts = [faces[start : start + FACES] for start in range(0, len(faces), FACES)] or [faces]

@@ -1,0 +1,1 @@
+"""Public humanoids, each from its description and the names of its feet."""
