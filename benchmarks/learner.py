@@ -27,9 +27,9 @@ from typing import Any
 
 from benchmarks.filled_database import ROBOT, fill, recording, squat
 from tsd_casadi.database.database import Database
-from tsd_casadi.wire.session_settings import session_settings
 from tsd_casadi.wire.keys import feedforward_key
 from tsd_casadi.wire.question import question_texts
+from tsd_casadi.wire.session_settings import session_settings
 from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_clients.remote.session import Session
 from tsd_server.service_process import ServiceProcess, free_endpoint

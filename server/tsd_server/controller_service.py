@@ -16,7 +16,8 @@ from tsd_casadi.wire.info import InfoMessage
 from tsd_casadi.wire.keys import health_key, info_key, tick_key
 from tsd_casadi.wire.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
 from tsd_server.place import Place
-from tsd_server.service import Service, reply_json, say
+from tsd_server.say import say
+from tsd_server.service import Service, reply_json
 
 BINARY = zenoh.Encoding.APPLICATION_OCTET_STREAM
 

@@ -7,30 +7,27 @@ import secrets
 import sys
 import threading
 import time
-from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
-from dataclasses import replace
+from collections.abc import Sequence
 from importlib.metadata import version
 from types import TracebackType
-from typing import Any, TextIO
+from typing import Any
 
 import zenoh
 from zenoh.handlers import RingChannel
 
-from tsd_casadi.exceptions import TsdError
 from tsd_casadi.version import __version__
-from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.health import DatabaseStateMessage, HealthMessage
 from tsd_casadi.wire.keys import alive_key
 from tsd_casadi.wire.message import VERSION as MESSAGES
-from tsd_casadi.wire.run_directory import Registration, RunRecord
+from tsd_casadi.wire.registration import Registration
+from tsd_casadi.wire.run_record import RunRecord
 from tsd_casadi.wire.tick_message import VERSION as TICK
+from tsd_server.answering import Answering
 from tsd_server.links import UnhurriedLinks
 from tsd_server.place import Place, Role
+from tsd_server.say import say
 from tsd_server.stop_signals import StopSignals
-from tsd_server.tally import Tally
-from tsd_server.waiting_line import WAITING_QUERIES, Answer, Taken, WaitingLine
+from tsd_server.waiting_line import WAITING_QUERIES, Answer, WaitingLine
 
 JSON = zenoh.Encoding.APPLICATION_JSON
 # how long closing may take: a client that is frozen with a full pipe blocks it [s]
@@ -38,9 +35,6 @@ CLOSING = 0.7
 # how long a thread that answers something else may keep the ticks waiting for the
 # interpreter; with Python's own 5 ms a busy one makes every tick late [s]
 SWITCHING = 0.0005
-
-# where queries are counted on a key with a wildcard that is none of those named
-OTHER = "other"
 
 _log = logging.getLogger(__name__)
 
@@ -75,12 +69,9 @@ class Service:
         self._role = role
         self._robot = robot
         self._endpoints = place.endpoints(role)
-        self._closing = False
-        self._threads: list[threading.Thread] = []
-        self._lines: list[WaitingLine] = []
         self._declared: list[object] = []  # undeclared when forgotten
-        self._tallies: dict[str, Tally] = {}
         self._failure: BaseException | None = None
+        self._answering = Answering(role, self._fail)
         self._record = RunRecord.of_this_process(
             role,
             subject or robot,
@@ -118,13 +109,11 @@ class Service:
         trace: TracebackType | None,
     ) -> None:
         """Close the session and wait for the answers under way, but not for long."""
-        self._closing = True
         end = time.monotonic() + CLOSING
         closing = threading.Thread(target=self.session.close, daemon=True)
         closing.start()
-        for line in self._lines:
-            line.close()
-        for thread in (closing, *self._threads):
+        self._answering.close()
+        for thread in (closing, *self._answering.threads):
             thread.join(max(0.0, end - time.monotonic()))
         self._signals.close()
         self._registration.close()
@@ -146,22 +135,11 @@ class Service:
             key, RingChannel(WAITING_QUERIES), complete=True
         )
         self._declared.append(queryable)
-        named = dict.fromkeys([*names, OTHER] if names else [key.rpartition("/")[2]])
-        for name in named:
-            self._tallies.setdefault(name, Tally())
-        self._start(self._in_turn(queryable, answer))
+        self._answering.start(queryable, answer, names or key.rpartition("/")[2])
 
     def line(self) -> WaitingLine:
         """Make a line with a thread of its own, for queries that would keep others waiting."""
-        line = WaitingLine()
-        self._lines.append(line)
-        self._start(iter(line.take, None))
-        return line
-
-    def _start(self, queries: Iterable[Taken]) -> None:
-        thread = threading.Thread(target=self._loop, args=(queries,), daemon=True)
-        self._threads.append(thread)
-        thread.start()
+        return self._answering.line()
 
     def run(self, description: str) -> None:
         """Say that the service is ready and wait for SIGINT or SIGTERM.
@@ -180,6 +158,10 @@ class Service:
             self._signals.wait()
         if self._failure is not None:
             raise self._failure
+
+    def _fail(self, error: BaseException) -> None:
+        self._failure = error
+        self._signals.wake()
 
     def health(
         self,
@@ -201,78 +183,10 @@ class Service:
             started=self._record.started,
             uptime=time.monotonic() - self._opened,
             versions=self._versions,
-            answers={name: tally.message() for name, tally in self._tallies.items()},
+            answers=self._answering.counts(),
             ticks=ticks,
             database=database,
         )
-
-    def _loop(self, queries: Iterable[Taken]) -> None:
-        try:
-            for taken in queries:
-                self._answer_one(taken)
-        except BaseException as error:
-            if not self._closing:
-                self._failure = error
-                self._signals.wake()
-
-    def _in_turn(self, queryable: Any, answer: Answer) -> Iterator[Taken]:
-        """Take up queries in the order in which they came, until the session is closed.
-
-        Some of those that have come are taken up before the next is answered, since
-        only what has been taken up can be counted.
-        """
-        waiting: deque[Taken] = deque()
-        for query in queryable:
-            waiting.append(self._take(query, answer))
-            while waiting:
-                while len(waiting) < WAITING_QUERIES and (more := queryable.try_recv()) is not None:
-                    waiting.append(self._take(more, answer))
-                yield waiting.popleft()
-
-    def _take(self, query: zenoh.Query, answer: Answer) -> Taken:
-        name = str(query.key_expr).rpartition("/")[2]
-        tally = self._tallies.get(name) or self._tallies[OTHER]
-        tally.take()
-        return Taken(query, answer, tally)
-
-    def _answer_one(self, taken: Taken) -> None:
-        query, later = taken.query, None
-        try:
-            later = taken.answer(query)
-            if later is None:
-                taken.tally.answer(taken.since)
-        except TsdError as error:
-            taken.tally.refuse(error.code, taken.since)
-            _log.debug("%s refused: %s", query.key_expr, error)
-            query.reply_err(ErrorMessage.of(error).encode(), encoding=JSON)
-        except Exception as error:
-            taken.tally.fail(type(error).__name__, taken.since)
-            # the client must not wait for its timeout because of our defect
-            message = ErrorMessage(
-                format="tsd.error/2",
-                code="internal",
-                message=f"{self._role} failed: {type(error).__name__}: {error}",
-            )
-            query.reply_err(message.encode(), encoding=JSON)
-            say(message.message, sys.stderr)
-            _log.info("%s failed", query.key_expr, exc_info=error)
-        finally:
-            if later is None:
-                # or its client would wait for more
-                taken.drop()
-        if later is not None:
-            later.line.put(replace(taken, answer=later.answer))
-
-
-def say(text: str, stream: TextIO) -> None:
-    """Tell the user; that nobody reads it is no reason to stop serving.
-
-    Args:
-        text: One line.
-        stream: Standard output or error.
-    """
-    with suppress(OSError, ValueError):
-        print(text, file=stream, flush=True)
 
 
 def reply_json(query: zenoh.Query, key: str, body: bytes) -> None:

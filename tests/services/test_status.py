@@ -207,7 +207,7 @@ def test_a_log_is_written_on_request_only(tmp_path: Path) -> None:
             session.close()
     printed = "\n".join(service.output)
     assert "INFO tsd_server.service: learner of" in printed
-    assert "DEBUG tsd_server.service: tsd/robot/learner/nonsense refused" in printed
+    assert "DEBUG tsd_server.answering: tsd/robot/learner/nonsense refused" in printed
 
 
 def test_info_is_the_same_for_everybody(robot: tsd.Robot, endpoint: str) -> None:
@@ -219,3 +219,18 @@ def test_info_is_the_same_for_everybody(robot: tsd.Robot, endpoint: str) -> None
     finally:
         session.close()
     assert first == second
+
+
+def test_a_key_with_a_wildcard_is_answered_and_stops_nothing(
+    robot: tsd.Robot, endpoint: str, learner: ServiceProcess
+) -> None:
+    where = next(line for line in learner.output if " ready on " in line).split()[3].rstrip(":")
+    for at, role in ((endpoint, "controller"), (where, "learner")):
+        session = Session(role, [at])
+        try:
+            session.wait_for(robot.name)
+            list(session.zenoh.get(f"tsd/*/{role}/*", timeout=2.0))
+            list(session.zenoh.get("**", timeout=2.0))
+        finally:
+            session.close()
+        assert ask_health(at, robot.name, role).answers["health"].answered > 0

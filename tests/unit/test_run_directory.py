@@ -8,13 +8,9 @@ from pathlib import Path
 import pytest
 
 from tsd_casadi.exceptions import AlreadyRunning, RunDirectoryUnusable
-from tsd_casadi.wire.run_directory import (
-    Registration,
-    RunRecord,
-    is_stopped,
-    run_directory,
-    running,
-)
+from tsd_casadi.wire.registration import Registration
+from tsd_casadi.wire.run_directory import is_stopped, run_directory, running
+from tsd_casadi.wire.run_record import RunRecord
 
 
 @pytest.fixture(autouse=True)
@@ -109,7 +105,7 @@ def test_a_second_one_is_refused_and_the_first_named() -> None:
 
 def test_one_that_was_killed_leaves_nothing(folder: Path) -> None:
     program = (
-        "import os, signal; from tsd_casadi.wire.run_directory import *;"
+        "import os, signal; from tsd_casadi.wire.registration import *;"
         "Registration(RunRecord.of_this_process('controller', 'robot', robot='robot',"
         "endpoints=('tcp/127.0.0.1:1',), instance=1)); os.kill(os.getpid(), signal.SIGKILL)"
     )

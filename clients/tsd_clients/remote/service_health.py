@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from tsd_casadi.exceptions import ServiceUnreachable, TsdError, TwoServices
 from tsd_casadi.wire.health import HealthMessage
 from tsd_casadi.wire.keys import health_key
-from tsd_casadi.wire.run_directory import RunRecord, is_stopped, running
+from tsd_casadi.wire.run_directory import is_stopped, running
+from tsd_casadi.wire.run_record import RunRecord
 from tsd_casadi.wire.zenoh_file import ZenohFile
 from tsd_clients.remote.session import Session
 from tsd_clients.remote.silence import explain_silence

@@ -8,7 +8,8 @@ from socket import create_connection
 
 from tsd_casadi.exceptions import RunDirectoryUnusable
 from tsd_casadi.wire.endpoints import is_of_this_machine
-from tsd_casadi.wire.run_directory import RunRecord, is_stopped, running
+from tsd_casadi.wire.run_directory import is_stopped, running
+from tsd_casadi.wire.run_record import RunRecord
 
 # for a connection; a machine that answers at all does so sooner [s]
 CONNECTING = 1.0
