@@ -27,9 +27,9 @@ from typing import Any
 
 from benchmarks.filled_database import ROBOT, fill, recording, squat
 from tsd_casadi.database.database import Database
-from tsd_casadi.wire.endpoints import session_settings
 from tsd_casadi.wire.keys import feedforward_key
 from tsd_casadi.wire.question import question_texts
+from tsd_casadi.wire.session_settings import session_settings
 from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_clients.remote.session import Session
 from tsd_server.service_process import ServiceProcess, free_endpoint
@@ -41,10 +41,8 @@ OPENINGS = 5
 USUAL = 100
 # a queryable with a channel and a thread, as the services have, that answers with bytes
 ECHO = """
-import json, sys, zenoh
-config = zenoh.Config()
-for key, value in json.loads(sys.argv[1]).items():
-    config.insert_json5(key, value)
+import sys, zenoh
+config = zenoh.Config.from_json5(sys.argv[1])
 body = b"x" * int(sys.argv[2])
 with zenoh.open(config) as session:
     queryable = session.declare_queryable("tsd/*/learner/*", zenoh.handlers.RingChannel(64))
@@ -65,7 +63,7 @@ def echo(size: int) -> Iterator[str]:
         size: Of its replies [bytes].
     """
     endpoint = free_endpoint()
-    settings = json.dumps(session_settings(listen=[endpoint]))
+    settings = json.dumps(session_settings(listen=[endpoint], service="learner"))
     command = [sys.executable, "-c", ECHO, settings, str(size)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
