@@ -116,7 +116,7 @@ class DisturbedRun:
             stdout=self._printed,
             stderr=self._printed,
         )
-        time.sleep(3.0 + 1.5 / pace)  # imports, then the hold before the motion
+        time.sleep(3.0 + 1.0 / pace)  # imports, then the hold before the motion
 
     def __enter__(self) -> DisturbedRun:
         """Use as a context manager."""

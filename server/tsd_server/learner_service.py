@@ -109,23 +109,24 @@ class LearnerService:
     def _feedforward(self, query: zenoh.Query, robot: str) -> Later | None:
         if robot == ANY_ROBOT:
             raise MalformedMessage("a feedforward for any robot", "the robot's name in the key")
-        selector = str(query.selector)
-        body = self._kept_replies.find(selector, self._exact.version())
+        texts = _texts(query)
+        question = robot, *sorted(texts.items())  # in whatever order they come
+        body = self._kept_replies.find(question, self._exact.version())
         if body is None:
-            asked = Question.of(_texts(query), QUERY)
+            asked = Question.of(texts, QUERY)
             if asked.kind == "generalised":
-                return self._generalise_later(robot, asked)
+                return self._generalize_later(robot, asked)
             try:
                 body = self._ask(robot, replace(asked, kind="learned"), self._exact)
             except EntryNotFound:
                 if asked.kind == "learned":
                     raise
-                return self._generalise_later(robot, asked)
-            self._kept_replies.keep(selector, body, self._exact.version())
+                return self._generalize_later(robot, asked)
+            self._kept_replies.keep(question, body, self._exact.version())
         reply_json(query, feedforward_key(robot), body)
         return None
 
-    def _generalise_later(self, robot: str, asked: Question) -> Later:
+    def _generalize_later(self, robot: str, asked: Question) -> Later:
         def answer(query: zenoh.Query) -> None:
             reply_json(query, feedforward_key(robot), self._ask(robot, asked, self._fitting))
 
