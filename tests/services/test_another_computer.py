@@ -17,7 +17,7 @@ import tsd_casadi as tsd
 from tsd_casadi.exceptions import CertificateRefused, InvalidValue, ServiceNotReady
 from tsd_casadi.wire.zenoh_file import ZenohFile, read_zenoh_file
 from tsd_clients.remote.remote_controller import RemoteController
-from tsd_clients.remote.service_health import service_at
+from tsd_clients.remote.service_health import services_at
 from tsd_server.service_process import ServiceProcess, free_endpoint
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "another_computer"
@@ -83,7 +83,7 @@ def test_with_its_certificate_the_other_computer_gets_the_same_torque(
 
 
 def test_its_status_is_answered(endpoint: str, laptop: Callable[..., ZenohFile]) -> None:
-    state = service_at(endpoint, laptop())
+    (state,) = services_at(endpoint, laptop())
     assert state.health is not None
     assert state.health.role == "controller"
 
@@ -92,7 +92,8 @@ def refused(endpoint: str, file: ZenohFile, words: str) -> None:
     with pytest.raises(CertificateRefused, match=words) as caught:
         RemoteController("hermes_lower", [endpoint], zenoh_file=file)
     assert caught.value.endpoint == endpoint
-    assert words in service_at(endpoint, file).trouble
+    (state,) = services_at(endpoint, file)
+    assert words in state.trouble
 
 
 def test_an_expired_certificate_is_named(
@@ -155,7 +156,7 @@ def test_a_robot_under_another_name_is_not_believed(
 
 
 def test_plain_tcp_gets_no_torque(endpoint: str) -> None:
-    plain = service_at(endpoint.replace("tls/", "tcp/"))
+    (plain,) = services_at(endpoint.replace("tls/", "tcp/"))
     assert plain.health is None
     assert "one that asks for a certificate" in plain.trouble
 

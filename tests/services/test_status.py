@@ -181,14 +181,19 @@ def test_a_frozen_service_is_said_to_be_frozen(
     assert tsd_command(folder, "status").returncode == 0
 
 
-def test_what_is_elsewhere_is_asked_by_its_endpoint(endpoint: str, tmp_path: Path) -> None:
+def test_what_is_elsewhere_is_asked_by_its_endpoint(
+    endpoint: str, learner: ServiceProcess, tmp_path: Path
+) -> None:
     nobody = free_endpoint()
-    options = ["--connect", endpoint, "--connect", nobody]
+    where = next(line for line in learner.output if " ready on " in line).split()[3].rstrip(":")
+    options = ["--connect", endpoint, "--connect", nobody, "--connect", where]
     done = tsd_command(tmp_path / "run", "status", *options, "--json", "-")
     assert done.returncode == 1
-    first, second = json.loads(done.stdout)["services"]
+    first, second, third = json.loads(done.stdout)["services"]
     assert first["health"]["robot"] == "hermes_lower"
     assert second["trouble"] == f"nothing listens at {nobody}"
+    assert third["health"]["role"] == "learner"
+    assert third["health"]["database"]["entries"] == 0
 
 
 def test_a_log_is_written_on_request_only(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.services import ConnectOptions
 from tsd_cli.output import check_outputs, put_out
 from tsd_clients.console.service_tables import print_services
-from tsd_clients.remote.service_health import ServiceState, service_at, services_here
+from tsd_clients.remote.service_health import ServiceState, services_at, services_here
 
 SILENT = 1
 
@@ -29,7 +29,7 @@ def show_status(services: ConnectOptions, output: JsonOptions) -> None:
     if services.connect or services.zenoh_config is not None:
         file = services.zenoh_file()
         endpoints = services.connect or ([] if file is None else file.endpoints("connect"))
-        found = [service_at(endpoint, file) for endpoint in endpoints]
+        found = [state for endpoint in endpoints for state in services_at(endpoint, file)]
     else:
         found = services_here()
     result = {"format": "tsd.status/1", "services": [_plain(state) for state in found]}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tsd_casadi.exceptions import ServiceUnreachable, TsdError, TwoServices
+from tsd_casadi.exceptions import ServiceUnreachable, TsdError
 from tsd_casadi.wire.health import HealthMessage
 from tsd_casadi.wire.keys import health_key
 from tsd_casadi.wire.run_directory import is_stopped, running
@@ -45,14 +45,22 @@ def services_here() -> list[ServiceState]:
     return [_state_of(record) for record in running() if record.role in ROLES]
 
 
-def service_at(endpoint: str, zenoh_file: ZenohFile | None = None) -> ServiceState:
-    """Ask the service at an endpoint how it is, whichever it is."""
+def services_at(endpoint: str, zenoh_file: ZenohFile | None = None) -> list[ServiceState]:
+    """Ask the services at an endpoint how they are: one, or those behind a router."""
     try:
-        return ServiceState([endpoint], health=_ask("*", "*", [endpoint], zenoh_file))
+        session = Session("*", [endpoint], zenoh_file=zenoh_file)
+        try:
+            session.wait_for("*", PATIENCE)
+            return [
+                ServiceState([endpoint], health=_health(session, robot, role))
+                for robot, role in sorted(session.alive())
+            ]
+        finally:
+            session.close()
     except ServiceUnreachable:
-        return ServiceState([endpoint], trouble=explain_silence([endpoint]))
+        return [ServiceState([endpoint], trouble=explain_silence([endpoint]))]
     except TsdError as error:
-        return ServiceState([endpoint], trouble=str(error))
+        return [ServiceState([endpoint], trouble=str(error))]
 
 
 def _state_of(record: RunRecord) -> ServiceState:
@@ -66,21 +74,17 @@ def _state_of(record: RunRecord) -> ServiceState:
         trouble = "not asked: name it with --connect and its --zenoh-config"
         return ServiceState(record.endpoints, record, trouble=trouble)
     try:
-        health = _ask(record.robot, record.role, record.endpoints[:1], None)
+        session = Session(record.role, record.endpoints[:1])
+        try:
+            session.wait_for(record.robot, PATIENCE)
+            health = _health(session, record.robot, record.role)
+        finally:
+            session.close()
     except TsdError:
         return ServiceState(record.endpoints, record, trouble="starting, or frozen")
     return ServiceState(record.endpoints, record, health)
 
 
-def _ask(
-    robot: str, role: str, endpoints: Sequence[str], zenoh_file: ZenohFile | None
-) -> HealthMessage:
-    session = Session(role, endpoints, zenoh_file=zenoh_file)
-    try:
-        session.wait_for(robot, PATIENCE)
-        bodies = session.query(health_key(robot, role), timeout=PATIENCE)
-    finally:
-        session.close()
-    if len(bodies) > 1:
-        raise TwoServices(f"{len(bodies)} services answer at {', '.join(endpoints)}")
-    return HealthMessage.decode(bodies[0])
+def _health(session: Session, robot: str, role: str) -> HealthMessage:
+    (body,) = session.query(health_key(robot, role), timeout=PATIENCE)[:1]
+    return HealthMessage.decode(body)

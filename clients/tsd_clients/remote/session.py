@@ -76,6 +76,12 @@ class Session:
         """Close the session."""
         self.zenoh.close()
 
+    def alive(self) -> list[tuple[str, str]]:
+        """List robot and role of the services that are there, by their liveliness tokens."""
+        replies = self.zenoh.liveliness().get(alive_key("*", self.role), timeout=1.0)
+        keys = [str(reply.ok.key_expr).split("/") for reply in replies if reply.ok is not None]
+        return [(key[1], key[2]) for key in keys]
+
     def wait_for(self, robot: str, patience: float = PATIENCE) -> None:
         """Wait until the service's liveliness token is there.
 
@@ -89,13 +95,11 @@ class Session:
         end = time.monotonic() + patience
         others: set[str] = set()
         while time.monotonic() < end:
-            for reply in self.zenoh.liveliness().get(alive_key("*", self.role), timeout=1.0):
-                if reply.ok is None:
-                    continue
-                key = zenoh.KeyExpr(str(reply.ok.key_expr))
+            for name, role in self.alive():
+                key = zenoh.KeyExpr(alive_key(name, role))
                 if key.intersects(zenoh.KeyExpr(alive_key(robot, self.role))):
                     return
-                others.add(str(key).split("/")[1])
+                others.add(name)
             time.sleep(0.05)
         if others:
             detail = f"there it serves robot {', '.join(sorted(others))}, not {robot}"
