@@ -28,7 +28,8 @@ class Conflict:
     """Rows that contradict each other; any one of them less, and the others do not.
 
     Attributes:
-        places: Where they are in the reduced rows, (m,), limits of accelerations last.
+        places: Where they are in the reduced rows, (m,): limits of accelerations last,
+            before that in the order of ``alone``.
         alone: By how much each would have to give way if it alone did, (m,), in the
             units of the rows.
     """
@@ -86,5 +87,6 @@ def find_conflict(reduced: ReducedRows) -> Conflict | None:
         else:
             proof = shorter
     places = np.flatnonzero(proof > 0)
-    places = places[np.argsort(reduced.is_bound[places], kind="stable")]
-    return Conflict(places, UNIT / proof[places])
+    alone = UNIT / proof[places]
+    order = np.lexsort((alone, reduced.is_bound[places]))
+    return Conflict(places[order], alone[order])
