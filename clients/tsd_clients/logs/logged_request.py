@@ -33,8 +33,9 @@ def logged_request(log: Log, tick: int, problem: InverseDynamics) -> tuple[Vecto
 
     Exact for the first tick without a solution, where the log has it. Otherwise
     what tasks were to accelerate is what the log says (along axes of the repetition
-    feedforward, feedback and the second difference of the reference; along others
-    the feedback of what the error was), the rest is the robot file's.
+    feedforward, feedback and the second difference of the reference, at the ends of
+    the log the neighbour's; along others the feedback of what the error was), the
+    rest is the robot file's.
 
     Args:
         tick: From 0 on.
