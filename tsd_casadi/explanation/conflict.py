@@ -52,9 +52,8 @@ def find_conflict(reduced: ReducedRows) -> Conflict | None:
     """Find an irreducible set of rows that contradict each other, None if there is none.
 
     Of several sets one with few rows besides the limits of accelerations: whoever
-    asks wants to know which torque, which foot. A deletion filter (Chinneck,
-    Feasibility and Infeasibility in Optimization, 2008, chapter 6) over what the
-    first proof needs.
+    asks wants to know which torque, which foot. A deletion filter (Chinneck and
+    Dravnieks, ORSA Journal on Computing 3, 1991) over what the first proof needs.
     """
     h = reduced.h / UNIT
     preference = np.where(reduced.is_bound, PREFERRED, 1.0)
