@@ -27,8 +27,8 @@ FARTHEST = 1e7
 # whether they hold is decided by their bounds alone.
 NO_COEFFICIENTS = 1e-9
 # Of the largest multiplier, rows scaled to length 1: where rows touch in more than one
-# way rounding leaves multipliers of 1e-13, whose rows are not needed.
-NEGLIGIBLE = 1e-9
+# way rounding leaves multipliers of 1e-15, whose rows are not needed.
+NEGLIGIBLE = 1e-12
 # Lawson and Hanson take 3 steps a variable for a bound; cones that meet in a point
 # took up to 9
 STEPS = 30
