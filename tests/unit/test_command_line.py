@@ -29,6 +29,7 @@ COMMANDS = [
             "learner",
             "simulate",
             "learn",
+            "explain",
             "calibrate",
             "query",
             "demo",
