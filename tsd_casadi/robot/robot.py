@@ -27,6 +27,10 @@ from tsd_casadi.state import State, Vector
 # changed whenever the terms of the cost or the equalities change their meaning
 FORMULATION = 1
 
+# of the acceleration limit, which is meant for the mere limb: under the body's weight
+# torques brake legs at less
+BRAKING = 0.1
+
 
 class Robot:
     """A robot as the controller knows it.
@@ -42,6 +46,10 @@ class Robot:
         joint_names: Actuated joints in the order of q, v and tau.
         torque_limit: Bound of |tau|, shape (n,) [N m].
         acceleration_limit: Bound of |joint acceleration|, shape (n,) [rad/s^2].
+        braking: Acceleration that a joint counts on to stop, shape (n,) [rad/s^2].
+        velocity_limit: Bound of |joint velocity|, shape (n,) [rad/s], infinite where
+            the description gives none.
+        position_limits: Least and largest joint angles, shape (n,) each [rad].
         fingerprint: Hash of the robot file and the description of links and joints.
     """
 
@@ -76,6 +84,12 @@ class Robot:
         )
         self.acceleration_limit: Vector = np.array(
             [accelerations.get(name, described.limits.acceleration) for name in self.joint_names]
+        )
+        self.braking: Vector = BRAKING * self.acceleration_limit
+        self.velocity_limit: Vector = _velocity_limit(self.model)
+        self.position_limits: tuple[Vector, Vector] = (
+            np.array(self.model.lowerPositionLimit[7:]),
+            np.array(self.model.upperPositionLimit[7:]),
         )
         check_robot(self)
 
@@ -276,6 +290,12 @@ class Robot:
         placement = data.oMf[self.model.getFrameId(frame)]
         quaternion = pinocchio.Quaternion(placement.rotation).coeffs()
         return np.array(placement.translation), np.array(quaternion)
+
+
+def _velocity_limit(model: Any) -> Vector:
+    """Read velocity limits; descriptions write 0 where they know none."""
+    limit = np.array(model.upperVelocityLimit[6:])
+    return np.where(limit > 0, limit, np.inf)
 
 
 def _meaning_of_task(task: ComTaskFile | FrameTaskFile) -> tuple[object, ...]:
