@@ -29,9 +29,10 @@ class TickLog:
     def start(self, setting: Setting) -> None:
         """Note which axes there are."""
         self._index = setting.index
-        reply, nv = setting.controller.format.reply, setting.robot.nv
-        active = reply.slice("active").start
-        self._joints = slice(active + 6, active + nv)
+        reply = setting.controller.format.reply
+        # the rows of the joints follow those of the base's six accelerations
+        first = reply.slice("active").start + 6
+        self._joints = slice(first, first + len(setting.controller.format.joints))
         self._wrenches = reply.slice("wrenches")
         self._unknown = np.full(reply.size, np.nan)
         self._errors = reply.slice("error")
