@@ -150,5 +150,6 @@ def test_what_yields_lacks_as_little_as_it_can(robot: Robot, controller: Control
         seen[kind if same else "not the same"] += 1
     print(seen)
     assert seen["velocity"] + seen["position"] > 10
-    # where a solver gives up more yields than has to, which the reply names
-    assert seen["not the same"] <= 0.02 * EACH
+    # where the solver gives up, or lets another joint go first, more yields than has to:
+    # the reply names it (above); at most 5 of 150 of these states
+    assert seen["not the same"] + seen["all let go"] <= 0.05 * EACH
