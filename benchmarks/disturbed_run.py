@@ -66,12 +66,13 @@ class Outcome:
 class Service:
     """A controller as a user starts it."""
 
-    def __init__(self, robot: str, endpoint: str) -> None:
-        """Start it and wait until it is ready."""
+    def __init__(self, robot: str, endpoint: str, folder: Path) -> None:
+        """Start it and wait until it is ready; in the folder it says that it runs."""
         self.process = subprocess.Popen(
             [sys.executable, "-m", "tsd_cli", "controller", "--robot", robot, "--listen", endpoint],
             stdout=subprocess.PIPE,
             text=True,
+            env={**os.environ, "TSD_RUN_DIR": str(folder / "run")},
         )
         assert self.process.stdout is not None
         if " ready on " not in self.process.stdout.readline():
@@ -100,7 +101,7 @@ class DisturbedRun:
         """
         self._robot, self._folder, self._pace = robot, folder, pace
         self._endpoint = free_endpoint()
-        self._service = Service(robot, self._endpoint)
+        self._service = Service(robot, self._endpoint, folder)
         self.cpu = [self._service.cpu]
         self._link = Link(self._endpoint)
         self._away = 0.0
@@ -115,7 +116,7 @@ class DisturbedRun:
             stdout=self._printed,
             stderr=self._printed,
         )
-        time.sleep(3.0 + 1.5 / pace)  # imports, then the hold before the motion
+        time.sleep(3.0 + 1.0 / pace)  # imports, then the hold before the motion
 
     def __enter__(self) -> DisturbedRun:
         """Use as a context manager."""
@@ -151,7 +152,7 @@ class DisturbedRun:
         """Kill the controller and start another."""
         self._service.end()
         time.sleep(rng.uniform(0.0, 1.0))
-        self._service = Service(self._robot, self._endpoint)
+        self._service = Service(self._robot, self._endpoint, self._folder)
         self.cpu.append(self._service.cpu)
 
     def stop(self, rng: random.Random) -> None:

@@ -7,7 +7,7 @@ an exact query against an echo of as many bytes with the same selector, of entri
 that were asked for before ('exact') and of random ones among all ('first'); a recording
 of new parameters and one of parameters that are known; opening the file; the list of a
 thousand entries as 'tsd database list' asks for, and the command with the start of the
-interpreter. Time is the wall's, medians.
+interpreter. Time is the wall's: medians, and what a machine with less to do would show.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from typing import Any
 
 from benchmarks.filled_database import ROBOT, fill, recording, squat
 from tsd_casadi.database.database import Database
-from tsd_casadi.wire.endpoints import session_settings
 from tsd_casadi.wire.keys import feedforward_key
 from tsd_casadi.wire.question import question_texts
+from tsd_casadi.wire.session_settings import session_settings
 from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_clients.remote.session import Session
 from tsd_server.service_process import ServiceProcess, free_endpoint
@@ -41,10 +41,8 @@ OPENINGS = 5
 USUAL = 100
 # a queryable with a channel and a thread, as the services have, that answers with bytes
 ECHO = """
-import json, sys, zenoh
-config = zenoh.Config()
-for key, value in json.loads(sys.argv[1]).items():
-    config.insert_json5(key, value)
+import sys, zenoh
+config = zenoh.Config.from_json5(sys.argv[1])
 body = b"x" * int(sys.argv[2])
 with zenoh.open(config) as session:
     queryable = session.declare_queryable("tsd/*/learner/*", zenoh.handlers.RingChannel(64))
@@ -65,7 +63,7 @@ def echo(size: int) -> Iterator[str]:
         size: Of its replies [bytes].
     """
     endpoint = free_endpoint()
-    settings = json.dumps(session_settings(listen=[endpoint]))
+    settings = json.dumps(session_settings(listen=[endpoint], service="learner"))
     command = [sys.executable, "-c", ECHO, settings, str(size)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
@@ -81,10 +79,12 @@ def in_turns(asking: dict[str, Asking], rounds: int) -> dict[str, list[float]]:
     times: dict[str, list[float]] = {name: [] for name in asking}
     for ask in asking.values():
         ask()
+    names, chance = list(asking), random.Random(1)
     for _ in range(rounds):
-        for name, ask in asking.items():
+        chance.shuffle(names)  # who comes after whom counts: processes and caches wake up
+        for name in names:
             before = perf_counter()
-            ask()
+            asking[name]()
             times[name].append(perf_counter() - before)
     return times
 
@@ -169,6 +169,7 @@ def measure(folder: Path, counts: list[int], queries: int) -> dict[str, Any]:
     return {
         "reply": size,
         "median": {name: median(each) for name, each in times.items()},
+        "p10": {name: sorted(each)[len(each) // 10] for name, each in times.items()},
         "p99": {name: sorted(each)[int(0.99 * len(each))] for name, each in exact.items()},
     }
 
@@ -183,13 +184,14 @@ def main() -> None:
     counts = sorted(arguments.entries)
     with tempfile.TemporaryDirectory() as folder:
         found = measure(Path(folder), counts, arguments.queries)
-    times, first = found["median"], counts[0]
-    print(f"replies of {found['reply']} bytes; medians [ms]")
-    for name, each in times.items():
-        print(f"{name:16s} {1e3 * each:8.2f}")
-    for count in counts:
+    first = counts[0]
+    print(f"replies of {found['reply']} bytes; [ms]   median   10 % are below")
+    for name, each in found["median"].items():
+        print(f"{name:30s} {1e3 * each:8.2f} {1e3 * found['p10'][name]:8.2f}")
+    for count, kind in ((count, kind) for count in counts for kind in ("median", "p10")):
+        times = found[kind]
         print(
-            f"{count} entries: exact {times[f'exact {count}'] / times['echo']:.2f} echoes, "
+            f"{count} entries, {kind}: exact {times[f'exact {count}'] / times['echo']:.2f} echoes, "
             f"{times[f'exact {count}'] / times[f'exact {first}']:.2f} times that of {first}; "
             f"asked for the first time {times[f'first {count}'] / times['echo']:.2f} echoes; "
             f"record {times[f'record {count}'] / times[f'record {first}']:.2f}, "

@@ -74,7 +74,12 @@ class RunningService:
             stderr=subprocess.STDOUT,
             text=True,
             start_new_session=True,
-            env={**os.environ, "TSD_CACHE_DIR": str(cache), "TMPDIR": str(self._temporary)},
+            env={
+                **os.environ,
+                "TSD_CACHE_DIR": str(cache),
+                "TSD_RUN_DIR": str(Path(folder) / "run"),
+                "TMPDIR": str(self._temporary),
+            },
         )
         self._lines: list[str] = []
         self.is_ready = threading.Event()

@@ -13,8 +13,9 @@ from tsd_casadi.motions.squat import Squat
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.tick.format import STATUS_MEANING
 from tsd_casadi.tick.layout import Layout
-from tsd_casadi.wire import endpoints, keys
+from tsd_casadi.wire import endpoints, keys, session_settings
 from tsd_casadi.wire.feedforward import FeedforwardMessage
+from tsd_casadi.wire.health import HealthMessage
 from tsd_casadi.wire.learner import DatabaseReply, RecordReply
 from tsd_casadi.wire.message import VERSION
 from tsd_casadi.wire.record import RecordMessage
@@ -110,6 +111,8 @@ Services listen on explicit endpoints, by default `{endpoints.CONTROLLER}` (cont
 answered by `tsd.recorded/2` |
 | `{keys.database_key("<robot>")}` | what is known; `?forget=N` removes entry N \
 | JSON `tsd.database/2` |
+| `{keys.health_key("<robot>", "<role>")}` | uptime, counts by kind, latencies \
+| JSON `tsd.health/2` |
 | `{keys.alive_key("<robot>", "<role>")}` | liveliness token | none |
 
 One learner serves every robot: its token is `{keys.alive_key("*", "learner")}`.
@@ -159,6 +162,41 @@ message is about by name (`field`, `value` and `expected` for instance), if ther
 
 `internal` is a defect of the service. No reply at all means that nobody serves the key, or that
 the service is overloaded and dropped the query; the liveliness token tells which.
+
+## What one client cannot do to another
+
+| who | what becomes of it | what others notice |
+| --- | --- | --- |
+| a client that does not read what a controller answers | {session_settings.SEND_BUFFER // 1024} \
+KiB wait for it in its socket and {session_settings.QUEUE} batches (48 KiB each over TCP) before \
+it; what has no room there is dropped after 1 ms, and at once from then on | nothing |
+| the same at a learner, whose answers may be megabytes | if it takes nothing for 0.2 s its link \
+is closed | once up to 0.2 s |
+| a client that is frozen, or whose cable is pulled | its link is closed after the lease, 1 s, \
+without waiting for what it has not read | nothing |
+| a connection that does not say who it is | closed after \
+{session_settings.ACCEPT_TIMEOUT / 1000:g} s; {session_settings.ACCEPT_PENDING} \
+may be there at once, one more is turned away. They are let in by a thread of its own | nothing |
+| more connections than the process may have open files | the service allows itself as many as \
+the system allows it (`ulimit -Hn`); beyond that nobody new gets in | running clients: nothing |
+| a client that asks faster than is answered | 64 queries wait in Zenoh for each key, 64 more \
+are taken up; then the oldest is dropped, whoever asked | **their queries may be dropped too**: \
+no reply, ask again |
+
+A client of one's own should read its answers, have no more than four ticks under way, and take a
+query without a reply for a tick that was lost. Numbers and their command:
+[reliability.md](reliability.md).
+
+## Health
+
+`answers` counts queries by the last word of their key: answered, refused by the code of the
+error, failed (a defect of the service) by the kind of exception, and those that wait. `latency`
+is a histogram from the moment that a query is taken up to its answer, without the network; bins
+are [us]. `ticks` counts the controller's statuses, `database` is the learner's file. JSON schema:
+
+```json
+{json_schema(HealthMessage)}
+```
 
 ## The tick
 

@@ -20,6 +20,7 @@ from tsd_cli.commands.query import forget_entry, list_entries, query
 from tsd_cli.commands.robot import check_robot, list_robots, new_robot
 from tsd_cli.commands.services import controller, learner
 from tsd_cli.commands.simulate import simulate
+from tsd_cli.commands.status import status
 from tsd_cli.help_text import unwrap
 from tsd_cli.motion_parameters import named_motion, with_parameters
 
@@ -41,15 +42,15 @@ and in a third:
   tsd learn squat --model-error 0.1
   tsd query squat --amplitude 0.03
 
-'tsd demo' does all of it by itself in a few minutes, 'tsd motion list' names what else
-a robot can be asked to do. Amplitudes are metres (half of peak to peak), frequencies
-hertz.
+'tsd status' says which services run and how they are. 'tsd demo' does all of it by
+itself in a few minutes, 'tsd motion list' names what else a robot can be asked to do.
+Amplitudes are metres (half of peak to peak), frequencies hertz.
 
 Exit codes: 0 done, 1 refused or failed, 2 wrong usage, 3 the robot fell, 4 a run
 that began was ended by an error and what there is of it is kept, 130 interrupted.
 """
 
-COMMANDS = (controller, learner, simulate, learn, calibrate, query, demo, reproduce)
+COMMANDS = (controller, learner, status, simulate, learn, calibrate, query, demo, reproduce)
 # those that take a motion, and whether they move the robot
 ABOUT_A_MOTION = {simulate.__name__: True, learn.__name__: True, query.__name__: False}
 GROUPS = {

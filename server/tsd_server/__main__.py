@@ -16,6 +16,7 @@ from pathlib import Path
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.version import __version__
 from tsd_casadi.wire.endpoints import CONTROLLER, LEARNER
+from tsd_server.log_level import LEVELS, show_log
 from tsd_server.serve import end_process, serve_controller, serve_learner
 
 OVERVIEW = """\
@@ -34,7 +35,8 @@ exit codes: 0 told to stop while serving, 1 refused or failed (the reason is on
 stderr), 2 wrong usage; a signal before the service is ready ends the process
 by itself (130 and 143 in a shell)
 
-environment: TSD_CACHE_DIR, the folder of compiled controllers; CC, the C compiler"""
+environment: TSD_CACHE_DIR, the folder of compiled controllers; TSD_RUN_DIR, the folder
+in which services say that they run; CC, the C compiler"""
 CONTROLLER_HELP = """\
 Answer state and command with torques, at every tick, for one robot.
 
@@ -54,10 +56,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Exit code 1, if the service was refused or failed.
     """
     given = _parser().parse_args(arguments)
+    show_log(given.log_level)
     try:
+        from tsd_server.place import Place
+
+        place = Place(given.listen or (), given.zenoh_config, given.expose)
         if given.role == "controller":
-            serve_controller(given.robot, given.listen or [CONTROLLER])
-        serve_learner(given.database, given.listen or [LEARNER])
+            serve_controller(given.robot, place)
+        serve_learner(given.database, place)
     except TsdError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
@@ -80,6 +86,28 @@ def _parser() -> argparse.ArgumentParser:
             action="append",
             metavar="ENDPOINT",
             help=f"where to listen, may be given several times (default: {endpoint})",
+        )
+        options.add_argument(
+            "--zenoh-config",
+            type=Path,
+            metavar="FILE",
+            help="a Zenoh configuration: certificates, user names, routers",
+        )
+        options.add_argument(
+            "--expose",
+            action="store_true",
+            help="let other machines in that reach the endpoint, without any such file",
+        )
+        level = options.add_mutually_exclusive_group()
+        level.add_argument(
+            "--log-level", choices=LEVELS, help="what to tell on stderr (default: warning)"
+        )
+        level.add_argument(
+            "--verbose",
+            action="store_const",
+            const="info",
+            dest="log_level",
+            help="the same as --log-level info",
         )
         if role == "controller":
             options.add_argument(

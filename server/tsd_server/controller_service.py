@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
 
 import zenoh
 
@@ -11,11 +10,14 @@ from tsd_casadi.compilation.compile_controller import compile_controller
 from tsd_casadi.controller.controller import Controller
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
 from tsd_casadi.robot.robot import Robot
+from tsd_casadi.tick.format import Status
 from tsd_casadi.version import __version__
 from tsd_casadi.wire.info import InfoMessage
-from tsd_casadi.wire.keys import info_key, tick_key
+from tsd_casadi.wire.keys import health_key, info_key, tick_key
 from tsd_casadi.wire.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
-from tsd_server.service import Service, reply_json, say
+from tsd_server.place import Place
+from tsd_server.say import say
+from tsd_server.service import Service, reply_json
 
 BINARY = zenoh.Encoding.APPLICATION_OCTET_STREAM
 
@@ -29,21 +31,22 @@ class ControllerService:
         ticks_refused: Ticks answered with an error.
     """
 
-    def __init__(self, robot: Robot, listen: Sequence[str]) -> None:
+    def __init__(self, robot: Robot, place: Place) -> None:
         """Open the session, then compile or load the controller.
 
         The session comes first: a taken port is told before minutes of
         compiling, and queries wait until the service is ready.
 
         Args:
-            listen: Endpoints to listen on.
+            place: Where to listen.
 
         Raises:
+            AlreadyRunning: If the robot has a controller.
             EndpointTaken: If it cannot listen there.
             CompilerNotFound: If there is nothing to compile with.
         """
         self._robot = robot
-        self._service = Service("controller", robot.name, listen, low_latency=True)
+        self._service = Service("controller", robot.name, place)
         try:
             self.controller: Controller = compile_controller(robot, self._tell_compiling)
         except BaseException:
@@ -54,6 +57,9 @@ class ControllerService:
         self._format = self.controller.format
         self._layout = self._format.layout_hash
         self._key = tick_key(robot.name)
+        self._status = self._format.reply.slice("status").start
+        self._statuses = [0] * len(Status)
+        self._description = self._describe()
 
     def _tell_compiling(self) -> None:
         say(
@@ -67,6 +73,7 @@ class ControllerService:
         with self._service as service:
             service.answer(self._key, self._tick)
             service.answer(info_key(name), self._info)
+            service.answer(health_key(name, "controller"), self._health)
             size = self._format.request.size
             service.run(
                 f"robot {name}, {self._robot.n} joints, "
@@ -86,6 +93,7 @@ class ControllerService:
             self.ticks_refused += 1
             raise
         self.ticks_served += 1
+        self._statuses[int(reply[self._status])] += 1
         query.reply(
             self._key,
             pack_tick(REPLY, self._layout, message.sequence, reply, self._service.instance),
@@ -93,7 +101,11 @@ class ControllerService:
             express=True,
         )
 
-    def _info(self, query: zenoh.Query) -> None:
+    def _describe(self) -> bytes:
+        """Describe the controller once, but for the counters at the end.
+
+        To write 17 kB for each query would keep the ticks waiting.
+        """
         info = InfoMessage.of(
             self._format,
             version=__version__,
@@ -102,7 +114,21 @@ class ControllerService:
             model=self._robot.fingerprint,
             body=self._robot.body_fingerprint,
             formulation=self._robot.formulation_fingerprint,
-            ticks_served=self.ticks_served,
-            ticks_refused=self.ticks_refused,
+            ticks_served=0,
+            ticks_refused=0,
         )
-        reply_json(query, info_key(self._robot.name), info.encode())
+        return info.encode().removesuffix(b'"ticks_served":0,"ticks_refused":0}')
+
+    def _info(self, query: zenoh.Query) -> None:
+        counters = f'"ticks_served":{self.ticks_served},"ticks_refused":{self.ticks_refused}}}'
+        body = self._description + counters.encode()
+        reply_json(query, info_key(self._robot.name), body)
+
+    def _health(self, query: zenoh.Query) -> None:
+        ticks = {
+            status.name.lower(): count
+            for status, count in zip(Status, self._statuses, strict=True)
+            if count
+        }
+        body = self._service.health(ticks=ticks).encode()
+        reply_json(query, health_key(self._robot.name, "controller"), body)

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Hashable
 
 # some 5 kB each
 KEPT_REPLIES = 1_000
 
 
 class KeptReplies:
-    """Encoded replies by the selector that asked for them, for one thread."""
+    """Encoded replies by the question that asked for them, for one thread."""
 
     def __init__(self) -> None:
         """Keep nothing yet."""
-        self._replies: OrderedDict[str, bytes] = OrderedDict()
+        self._replies: OrderedDict[Hashable, bytes] = OrderedDict()
         self._version: object = None
 
-    def find(self, selector: str, version: object) -> bytes | None:
+    def find(self, question: Hashable, version: object) -> bytes | None:
         """Find a reply; all are forgotten once the version is another.
 
         Args:
@@ -25,9 +26,9 @@ class KeptReplies:
         if version != self._version:
             self._replies.clear()
             self._version = version
-        return self._replies.get(selector)
+        return self._replies.get(question)
 
-    def keep(self, selector: str, body: bytes, version: object) -> None:
+    def keep(self, question: Hashable, body: bytes, version: object) -> None:
         """Keep a reply, unless the database has changed since it was looked for.
 
         Args:
@@ -35,6 +36,6 @@ class KeptReplies:
         """
         if version != self._version:
             return
-        self._replies[selector] = body
+        self._replies[question] = body
         if len(self._replies) > KEPT_REPLIES:
             self._replies.popitem(last=False)  # the oldest

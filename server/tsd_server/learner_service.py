@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import importlib
 import re
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import zenoh
@@ -16,10 +16,12 @@ from tsd_casadi.database.reading import Reading
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue, MalformedMessage
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.wire.feedforward import FeedforwardMessage
+from tsd_casadi.wire.health import DatabaseStateMessage
 from tsd_casadi.wire.keys import (
     ANY_ROBOT,
     database_key,
     feedforward_key,
+    health_key,
     record_key,
     robot_of,
     suggestion_key,
@@ -35,9 +37,12 @@ from tsd_casadi.wire.question import Question, number
 from tsd_casadi.wire.record import RecordMessage
 from tsd_casadi.wire.suggestion import SuggestionMessage
 from tsd_server.kept_replies import KeptReplies
+from tsd_server.place import Place
 from tsd_server.service import Service, reply_json
 from tsd_server.waiting_line import Later
 
+# last words of the keys
+ANSWERS = ("feedforward", "suggestion", "record", "database", "health")
 # robot chunk of replies to a query for any robot
 EVERY = "all"
 # some ten times the laps of the slowest squat [bytes]
@@ -55,14 +60,15 @@ class LearnerService:
         path: The database file.
     """
 
-    def __init__(self, path: Path, listen: Sequence[str]) -> None:
+    def __init__(self, path: Path, place: Place) -> None:
         """Open session and database.
 
         Args:
             path: The database file, made if there is none.
-            listen: Endpoints to listen on.
+            place: Where to listen.
 
         Raises:
+            AlreadyRunning: If the file has a learner.
             DatabaseError: If the file is not one of ours.
             EndpointTaken: If it cannot listen there.
         """
@@ -74,14 +80,14 @@ class LearnerService:
         self._kept_replies = KeptReplies()
         # the first regression would wait seconds for it
         importlib.import_module("sklearn.gaussian_process")
-        self._service = Service("learner", ANY_ROBOT, listen)
+        self._service = Service("learner", ANY_ROBOT, place, subject=str(path.resolve()))
 
     def run(self) -> None:
         """Serve until SIGINT or SIGTERM."""
         with self._service as service:
             # what takes its time waits beside what is looked up in an instant
             self._writes, self._lists, self._fits = (service.line() for _ in range(3))
-            service.answer("tsd/*/learner/*", self._answer)
+            service.answer("tsd/*/learner/*", self._answer, ANSWERS)
             service.run(f"database {self.path}")
         for opened in (self._exact, self._listing, self._fitting, self._database):
             opened.close()
@@ -94,6 +100,7 @@ class LearnerService:
             suggestion_key(robot): self._suggestion,
             record_key(robot): self._record,
             database_key(robot): self._entries,
+            health_key(robot, "learner"): self._health,
         }
         if key not in answers:
             raise MalformedMessage(f"key {key}", f"one of {', '.join(answers)}")
@@ -102,23 +109,24 @@ class LearnerService:
     def _feedforward(self, query: zenoh.Query, robot: str) -> Later | None:
         if robot == ANY_ROBOT:
             raise MalformedMessage("a feedforward for any robot", "the robot's name in the key")
-        selector = str(query.selector)
-        body = self._kept_replies.find(selector, self._exact.version())
+        texts = _texts(query)
+        question = robot, *sorted(texts.items())  # in whatever order they come
+        body = self._kept_replies.find(question, self._exact.version())
         if body is None:
-            asked = Question.of(_texts(query), QUERY)
+            asked = Question.of(texts, QUERY)
             if asked.kind == "generalised":
-                return self._generalise_later(robot, asked)
+                return self._generalize_later(robot, asked)
             try:
                 body = self._ask(robot, replace(asked, kind="learned"), self._exact)
             except EntryNotFound:
                 if asked.kind == "learned":
                     raise
-                return self._generalise_later(robot, asked)
-            self._kept_replies.keep(selector, body, self._exact.version())
+                return self._generalize_later(robot, asked)
+            self._kept_replies.keep(question, body, self._exact.version())
         reply_json(query, feedforward_key(robot), body)
         return None
 
-    def _generalise_later(self, robot: str, asked: Question) -> Later:
+    def _generalize_later(self, robot: str, asked: Question) -> Later:
         def answer(query: zenoh.Query) -> None:
             reply_json(query, feedforward_key(robot), self._ask(robot, asked, self._fitting))
 
@@ -214,6 +222,13 @@ class LearnerService:
         )
         name = EVERY if robot == ANY_ROBOT else robot
         reply_json(query, database_key(name), reply.encode())
+
+    def _health(self, query: zenoh.Query, robot: str) -> None:
+        name = EVERY if robot == ANY_ROBOT else robot
+        state = DatabaseStateMessage(**asdict(self._exact.state()))
+        reply_json(
+            query, health_key(name, "learner"), self._service.health(database=state).encode()
+        )
 
 
 def _texts(query: zenoh.Query) -> dict[str, str]:

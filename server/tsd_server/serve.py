@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
-from tsd_casadi.wire.endpoints import CONTROLLER, LEARNER
 from tsd_server.end_at_once import end_at_once
 
+if TYPE_CHECKING:
+    from tsd_server.place import Place
 
-def serve_controller(robot: str, listen: Sequence[str] = (CONTROLLER,)) -> NoReturn:
+
+def serve_controller(robot: str, place: Place | None = None) -> NoReturn:
     """Serve a robot's controller until SIGINT or SIGTERM, then end the process with 0.
 
     Args:
         robot: Name of a shipped robot, or path of a robot file.
-        listen: Endpoints to listen on.
+        place: Where to listen; the usual one by default.
 
     Raises:
         TsdError: If the robot, the endpoint or the compiler cannot be used.
@@ -26,18 +27,19 @@ def serve_controller(robot: str, listen: Sequence[str] = (CONTROLLER,)) -> NoRet
     end_at_once()
     from tsd_casadi.robot.robot import load_robot
     from tsd_server.controller_service import ControllerService
+    from tsd_server.place import Place
 
-    ControllerService(load_robot(robot), listen).run()
+    ControllerService(load_robot(robot), place or Place()).run()
     end_process(0)
 
 
-def serve_learner(database: Path | None = None, listen: Sequence[str] = (LEARNER,)) -> NoReturn:
+def serve_learner(database: Path | None = None, place: Place | None = None) -> NoReturn:
     """Serve the learner until SIGINT or SIGTERM, then end the process with 0.
 
     Args:
         database: SQLite file, made if there is none; by default in the user's
             data folder.
-        listen: Endpoints to listen on.
+        place: Where to listen; the usual one by default.
 
     Raises:
         TsdError: If the database or the endpoint cannot be used.
@@ -45,8 +47,9 @@ def serve_learner(database: Path | None = None, listen: Sequence[str] = (LEARNER
     end_at_once()
     from tsd_casadi.database.database import default_path
     from tsd_server.learner_service import LearnerService
+    from tsd_server.place import Place
 
-    LearnerService(database or default_path(), listen).run()
+    LearnerService(database or default_path(), place or Place()).run()
     end_process(0)
 
 

@@ -2,30 +2,41 @@
 
 from __future__ import annotations
 
+import logging
 import secrets
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
+from importlib.metadata import version
 from types import TracebackType
-from typing import Any, TextIO
+from typing import Any
 
 import zenoh
 from zenoh.handlers import RingChannel
 
-from tsd_casadi.exceptions import EndpointTaken, TsdError
-from tsd_casadi.wire.endpoints import check_endpoint, configure_runtime, session_settings
-from tsd_casadi.wire.error import ErrorMessage
+from tsd_casadi.version import __version__
+from tsd_casadi.wire.health import DatabaseStateMessage, HealthMessage
 from tsd_casadi.wire.keys import alive_key
+from tsd_casadi.wire.message import VERSION as MESSAGES
+from tsd_casadi.wire.registration import Registration
+from tsd_casadi.wire.run_record import RunRecord
+from tsd_casadi.wire.tick_message import VERSION as TICK
+from tsd_server.answering import Answering
+from tsd_server.links import UnhurriedLinks
+from tsd_server.place import Place, Role
+from tsd_server.say import say
 from tsd_server.stop_signals import StopSignals
-from tsd_server.waiting_line import WAITING_QUERIES, Later, WaitingLine
+from tsd_server.waiting_line import WAITING_QUERIES, Answer, WaitingLine
 
 JSON = zenoh.Encoding.APPLICATION_JSON
 # how long closing may take: a client that is frozen with a full pipe blocks it [s]
 CLOSING = 0.7
+# how long a thread that answers something else may keep the ticks waiting for the
+# interpreter; with Python's own 5 ms a busy one makes every tick late [s]
+SWITCHING = 0.0005
 
-Answer = Callable[[zenoh.Query], Later | None]
+_log = logging.getLogger(__name__)
 
 
 class Service:
@@ -39,40 +50,53 @@ class Service:
         session: The session.
     """
 
-    def __init__(
-        self, role: str, robot: str, listen: Sequence[str], *, low_latency: bool = False
-    ) -> None:
-        """Open the session.
+    def __init__(self, role: Role, robot: str, place: Place, *, subject: str | None = None) -> None:
+        """Take the place and open the session.
 
         Args:
             role: 'controller' or 'learner'.
             robot: Robot's chunk of the keys.
-            listen: Endpoints to listen on.
-            low_latency: See ``session_settings``.
+            place: Where to listen.
+            subject: What is served once on this machine; the robot by default.
 
         Raises:
+            AlreadyRunning: If another service of the role serves the subject.
             EndpointTaken: If it cannot listen there.
-            InvalidValue: If an endpoint is malformed.
+            InvalidValue: If an endpoint or the file of the place is malformed.
+            CertificateRefused: If a certificate cannot be used.
         """
         self.instance = secrets.randbits(63) | 1
         self._role = role
         self._robot = robot
-        self._listen = [check_endpoint(endpoint) for endpoint in listen]
-        self._closing = False
-        self._threads: list[threading.Thread] = []
-        self._lines: list[WaitingLine] = []
+        self._endpoints = place.endpoints(role)
         self._declared: list[object] = []  # undeclared when forgotten
         self._failure: BaseException | None = None
-        configure_runtime()
-        zenoh.init_log_from_env_or("off")
-        config = zenoh.Config()
-        for key, value in session_settings(listen=self._listen, low_latency=low_latency).items():
-            config.insert_json5(key, value)
+        self._answering = Answering(role, self._fail)
+        self._record = RunRecord.of_this_process(
+            role,
+            subject or robot,
+            robot=robot,
+            endpoints=tuple(self._endpoints),
+            instance=self.instance,
+        )
+        # looked up once: a look at the disk for each query would keep the ticks waiting
+        self._versions = {
+            "tsd_casadi": __version__,
+            "zenoh": version("eclipse-zenoh"),
+            "messages": str(MESSAGES),
+            "tick": str(TICK),
+        }
+        self._opened = time.monotonic()
+        self._registration = Registration(self._record)
         try:
-            self.session = zenoh.open(config)
-        except zenoh.ZError as error:
-            raise EndpointTaken(role, ", ".join(self._listen), _reason(error)) from error
+            self.session = place.open(role)
+        except BaseException:
+            self._registration.close()
+            raise
+        sys.setswitchinterval(SWITCHING)
+        self._links = UnhurriedLinks(self.session)
         self._signals = StopSignals()
+        _log.info("%s of %s opened its session", role, subject or robot)
 
     def __enter__(self) -> Service:
         """Use as a context manager."""
@@ -85,17 +109,17 @@ class Service:
         trace: TracebackType | None,
     ) -> None:
         """Close the session and wait for the answers under way, but not for long."""
-        self._closing = True
         end = time.monotonic() + CLOSING
         closing = threading.Thread(target=self.session.close, daemon=True)
         closing.start()
-        for line in self._lines:
-            line.close()
-        for thread in (closing, *self._threads):
+        self._answering.close()
+        for thread in (closing, *self._answering.threads):
             thread.join(max(0.0, end - time.monotonic()))
         self._signals.close()
+        self._registration.close()
+        _log.info("%s of %s has closed", self._role, self._record.subject)
 
-    def answer(self, key: str, answer: Answer) -> None:
+    def answer(self, key: str, answer: Answer, names: Sequence[str] = ()) -> None:
         """Answer the queries on a key, one after another.
 
         Under overload the oldest waiting queries are dropped, which their
@@ -105,25 +129,17 @@ class Service:
         Args:
             answer: Replies to one query, or says in which line it is to wait; a
                 TsdError it raises becomes an error reply.
+            names: Last words of keys to count by, where the key ends in a wildcard.
         """
         queryable: Any = self.session.declare_queryable(
             key, RingChannel(WAITING_QUERIES), complete=True
         )
         self._declared.append(queryable)
-        pairs = ((query, answer) for query in queryable)  # ends when the session is closed
-        self._start(pairs)
+        self._answering.start(queryable, answer, names or key.rpartition("/")[2])
 
     def line(self) -> WaitingLine:
         """Make a line with a thread of its own, for queries that would keep others waiting."""
-        line = WaitingLine()
-        self._lines.append(line)
-        self._start(iter(line.take, None))
-        return line
-
-    def _start(self, queries: Iterable[tuple[zenoh.Query, Answer]]) -> None:
-        thread = threading.Thread(target=self._loop, args=(queries,), daemon=True)
-        self._threads.append(thread)
-        thread.start()
+        return self._answering.line()
 
     def run(self, description: str) -> None:
         """Say that the service is ready and wait for SIGINT or SIGTERM.
@@ -137,61 +153,40 @@ class Service:
         token = alive_key(self._robot, self._role)
         with self._signals:
             self._declared.append(self.session.liveliness().declare_token(token))
-            for endpoint in self._listen:
+            for endpoint in self._endpoints:
                 say(f"{self._role} ready on {endpoint}: {description}", sys.stdout)
             self._signals.wait()
         if self._failure is not None:
             raise self._failure
 
-    def _loop(self, queries: Iterable[tuple[zenoh.Query, Answer]]) -> None:
-        try:
-            for query, answer in queries:
-                self._answer_one(query, answer)
-        except BaseException as error:
-            if not self._closing:
-                self._failure = error
-                self._signals.wake()
+    def _fail(self, error: BaseException) -> None:
+        self._failure = error
+        self._signals.wake()
 
-    def _answer_one(self, query: zenoh.Query, answer: Answer) -> None:
-        later = None
-        try:
-            later = answer(query)
-        except TsdError as error:
-            query.reply_err(ErrorMessage.of(error).encode(), encoding=JSON)
-        except Exception as error:
-            # the client must not wait for its timeout because of our defect
-            message = ErrorMessage(
-                format="tsd.error/2",
-                code="internal",
-                message=f"{self._role} failed: {type(error).__name__}: {error}",
-            )
-            query.reply_err(message.encode(), encoding=JSON)
-            say(message.message, sys.stderr)
-        finally:
-            if later is None:
-                # or its client would wait for more
-                query.drop()  # type: ignore[no-untyped-call]
-        if later is not None:
-            later.line.put(query, later.answer)
+    def health(
+        self,
+        *,
+        ticks: dict[str, int] | None = None,
+        database: DatabaseStateMessage | None = None,
+    ) -> HealthMessage:
+        """Say how the service is.
 
-
-def say(text: str, stream: TextIO) -> None:
-    """Tell the user; that nobody reads it is no reason to stop serving.
-
-    Args:
-        text: One line.
-        stream: Standard output or error.
-    """
-    with suppress(OSError, ValueError):
-        print(text, file=stream, flush=True)
-
-
-def _reason(error: Exception) -> str:
-    # Zenoh's text goes on with its own source lines
-    text = str(error)
-    if "Address already in use" in text:
-        return "the address is already in use"
-    return text.split(" at /", maxsplit=1)[0] or type(error).__name__
+        Args:
+            ticks: Of a controller, by status.
+            database: Of a learner.
+        """
+        return HealthMessage(
+            role=self._role,
+            robot=self._robot,
+            instance=self.instance,
+            pid=self._record.pid,
+            started=self._record.started,
+            uptime=time.monotonic() - self._opened,
+            versions=self._versions,
+            answers=self._answering.counts(),
+            ticks=ticks,
+            database=database,
+        )
 
 
 def reply_json(query: zenoh.Query, key: str, body: bytes) -> None:

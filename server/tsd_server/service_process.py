@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import signal
 import socket
 import subprocess
 import sys
 import threading
 from collections.abc import Sequence
+from pathlib import Path
 from queue import Empty, Queue
+from tempfile import TemporaryDirectory
 
 from tsd_casadi.exceptions import ServiceNotReady
 from tsd_server.end_at_once import STOPPING
@@ -25,24 +28,36 @@ class ServiceProcess:
         output: Lines it has printed.
     """
 
-    def __init__(self, arguments: Sequence[str], patience: float = 120.0) -> None:
+    def __init__(
+        self,
+        arguments: Sequence[str],
+        patience: float = 120.0,
+        *,
+        run_directory: Path | None = None,
+    ) -> None:
         """Start the process and wait for its 'ready' line.
 
         Args:
             arguments: Role and options, as of ``python -m tsd_server``.
             patience: How long to wait [s]; the first start compiles.
+            run_directory: Where it says that it runs. By default in a folder of its
+                own: a service that a program starts for itself is nobody else's, and
+                does not keep the user's own from running.
 
         Raises:
             ServiceNotReady: If it ends or does not get ready in time; the message is
                 what it printed.
         """
         self.output: list[str] = []
+        self._own = None if run_directory is not None else TemporaryDirectory(prefix="tsd-run-")
+        folder = str(run_directory) if self._own is None else self._own.name
         self.process = subprocess.Popen(
             [sys.executable, "-m", "tsd_server", *arguments],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
             preexec_fn=_before_python,
+            env={**os.environ, "TSD_RUN_DIR": folder},
         )
         self._lines: Queue[str | None] = Queue()
         threading.Thread(target=self._read, daemon=True).start()
@@ -72,7 +87,10 @@ class ServiceProcess:
                 self.process.wait(timeout=5.0)
             except subprocess.TimeoutExpired:
                 self.process.kill()
-        return self.process.wait()
+        code = self.process.wait()
+        if self._own is not None:
+            self._own.cleanup()
+        return code
 
     def _read(self) -> None:
         assert self.process.stdout is not None

@@ -3,16 +3,40 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import zenoh
+
+from tsd_server.tally import Tally
 
 # as many as wait for the service itself
 WAITING_QUERIES = 64
 
-Answer = Callable[[zenoh.Query], None]
+
+@dataclass(frozen=True)
+class Taken:
+    """A query that was taken up.
+
+    Attributes:
+        query: The query.
+        answer: Replies to it, or says in which line it is to wait.
+        tally: Where it is counted.
+        since: When it was taken up, of ``time.perf_counter`` [s].
+    """
+
+    query: Any
+    answer: Answer
+    tally: Tally
+    since: float = field(default_factory=time.perf_counter)
+
+    def drop(self) -> None:
+        """Let go of it: its client waits no more."""
+        self.query.drop()
+        self.tally.drop()
 
 
 class WaitingLine:
@@ -24,23 +48,19 @@ class WaitingLine:
     def __init__(self) -> None:
         """Let nothing wait yet."""
         self._condition = threading.Condition()
-        self._waiting: deque[tuple[zenoh.Query, Answer]] = deque()
+        self._waiting: deque[Taken] = deque()
         self._is_closed = False
 
-    def put(self, query: zenoh.Query, answer: Answer) -> None:
-        """Let a query wait.
-
-        Args:
-            answer: Replies to it, and may raise what any answer may.
-        """
+    def put(self, taken: Taken) -> None:
+        """Let a query wait."""
         with self._condition:
-            self._waiting.append((query, answer))
+            self._waiting.append(taken)
             dropped = self._waiting.popleft() if len(self._waiting) > WAITING_QUERIES else None
             self._condition.notify()
         if dropped is not None:
-            dropped[0].drop()  # type: ignore[no-untyped-call]
+            dropped.drop()
 
-    def take(self) -> tuple[zenoh.Query, Answer] | None:
+    def take(self) -> Taken | None:
         """Wait for the next query; None once the line is closed."""
         with self._condition:
             self._condition.wait_for(lambda: self._waiting or self._is_closed)
@@ -63,4 +83,7 @@ class Later:
     """
 
     line: WaitingLine
-    answer: Answer
+    answer: Callable[[zenoh.Query], None]
+
+
+Answer = Callable[[zenoh.Query], Later | None]

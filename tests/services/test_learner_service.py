@@ -2,10 +2,13 @@ import inspect
 import json
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +21,7 @@ from tsd_casadi.database.database import Database
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import (
+    DatabaseError,
     EntryNotFound,
     InvalidValue,
     OutsideTrainedRange,
@@ -415,6 +419,56 @@ def test_what_was_recorded_survives_a_killed_service(tmp_path: Path) -> None:
     with ServiceProcess(arguments), RemoteLearner([arguments[-1]]) as learner:
         found = learner.query("squat", robot=ROBOT, amplitude=0.03, frequency=0.25)
         assert found.kind == "learned"
+
+
+def test_who_asks_does_not_wait_for_who_writes(tmp_path: Path) -> None:
+    path, endpoint = tmp_path / "a.sqlite", free_endpoint()
+    with (
+        ServiceProcess(["learner", "--database", str(path), "--listen", endpoint]),
+        RemoteLearner([endpoint]) as learner,
+        RemoteLearner([endpoint]) as other,
+        closing(sqlite3.connect(path, isolation_level=None)) as plain,
+    ):
+        learner.record(recording_of(0.03))
+        plain.execute("BEGIN IMMEDIATE")
+        recorded: list[Any] = []
+        writing = threading.Thread(target=lambda: recorded.append(other.record(recording_of(0.04))))
+        writing.start()
+        assert learner.query("squat", robot=ROBOT, amplitude=0.03).kind == "learned"
+        assert [entry.entry for entry in learner.entries()] == [1]
+        assert writing.is_alive()
+        plain.execute("ROLLBACK")
+        writing.join()
+        assert [entry.entry for entry in learner.entries()] == [1, 2]
+        assert len(recorded) == 1
+        # what was asked before is looked up anew once somebody has written
+        assert learner.query("squat", robot=ROBOT, amplitude=0.03).iteration == 1
+        applied = learner.query("squat", robot=ROBOT, amplitude=0.03).weights
+        learner.record(replace(recording_of(0.03, 0.005), applied=applied))
+        assert learner.query("squat", robot=ROBOT, amplitude=0.03).iteration == 2
+
+
+def test_a_full_disk_is_named_and_queries_go_on(tmp_path: Path) -> None:
+    mount = ["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", str(tmp_path)]
+    if os.geteuid() != 0 or subprocess.run(mount, capture_output=True).returncode != 0:
+        pytest.skip("a small disk needs root")
+    path, endpoint = tmp_path / "a.sqlite", free_endpoint()
+    try:
+        with (
+            ServiceProcess(["learner", "--database", str(path), "--listen", endpoint]),
+            RemoteLearner([endpoint]) as learner,
+        ):
+            answered = 0
+            with pytest.raises(DatabaseError, match=r"a\.sqlite.*full.*free disk space"):
+                for number in range(1000):
+                    learner.record(recording_of(0.02 + number / 1e4))
+                    answered += 1
+            assert len(learner.entries()) == answered > 5
+            assert learner.query("squat", robot=ROBOT, amplitude=0.02).kind == "learned"
+            with pytest.raises(DatabaseError, match="full"):
+                learner.record(recording_of(0.5))
+    finally:
+        subprocess.run(["umount", "-l", str(tmp_path)], check=True)
 
 
 def test_file_that_is_not_ours_is_refused_unchanged(tmp_path: Path) -> None:

@@ -116,6 +116,7 @@ STUCK = """
 import threading
 from tsd_server.end_at_once import end_at_once
 from tsd_server.serve import end_process
+from tsd_server.place import Place
 from tsd_server.service import Service
 from tsd_server.service_process import free_endpoint
 
@@ -127,7 +128,7 @@ class Stuck:
         threading.Event().wait()
 
 end_at_once()
-service = Service("learner", "*", [free_endpoint()])
+service = Service("learner", "*", Place([free_endpoint()]))
 service.session = Stuck(service.session)
 with service:
     service.run("nothing")
@@ -152,6 +153,7 @@ def test_a_second_signal_waits_for_nothing(number: signal.Signals) -> None:
 
 FAILING = """
 import threading
+from tsd_server.place import Place
 from tsd_server.service import Service
 from tsd_server.service_process import free_endpoint
 
@@ -159,8 +161,8 @@ def queries():
     raise RuntimeError("the channel broke")
     yield
 
-service = Service("learner", "*", [free_endpoint()])
-threading.Thread(target=service._loop, args=(queries(),)).start()
+service = Service("learner", "*", Place([free_endpoint()]))
+service._answering._start(queries())
 with service:
     service.run("nothing")
 """

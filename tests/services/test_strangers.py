@@ -17,11 +17,11 @@ from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import EntryNotFound, ServiceUnreachable, TwoServices
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.tick.format import TickFormat
-from tsd_casadi.wire.endpoints import session_settings
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.feedforward import FeedforwardMessage
 from tsd_casadi.wire.info import InfoMessage
 from tsd_casadi.wire.keys import feedforward_key, info_key, tick_key
+from tsd_casadi.wire.session_settings import session_settings
 from tsd_casadi.wire.tick_message import REPLY, REQUEST, VERSION, pack_tick, unpack_tick
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_clients.remote.remote_learner import RemoteLearner
@@ -33,14 +33,13 @@ STRANGE_TORQUE = 7777.0
 def open_session(
     *, mode: str = "peer", guarded: bool = True, listen: tuple[str, ...] = (), connect: str = ""
 ) -> zenoh.Session:
-    settings = session_settings(listen=listen, connect=[connect] if connect else [])
-    settings["mode"] = json.dumps(mode)
-    if not guarded:
-        settings.pop("access_control", None)
-    config = zenoh.Config()
-    for key, value in settings.items():
-        config.insert_json5(key, value)
-    return zenoh.open(config)
+    settings = session_settings(
+        listen=listen,
+        connect=[connect] if connect else [],
+        service="controller" if listen and guarded else None,
+    )
+    settings["mode"] = mode
+    return zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
 
 
 def answer_ticks(
@@ -327,11 +326,8 @@ def test_a_client_connects_to_nobody_but_its_service(
     controller: tsd.Controller, robot: tsd.Robot, service: str
 ) -> None:
     settings = session_settings(listen=[free_endpoint()], connect=[service])
-    del settings["access_control"]
-    settings["scouting/gossip/enabled"] = "true"  # tells everybody where it is
-    config = zenoh.Config()
-    for key, value in settings.items():
-        config.insert_json5(key, value)
+    settings["scouting"]["gossip"]["enabled"] = True  # tells everybody where it is
+    config = zenoh.Config.from_json5(json.dumps(settings))
     with zenoh.open(config), RemoteController(robot.name, [service]) as remote:
         for _ in range(100):
             remote.tick(robot.home, remote.command())

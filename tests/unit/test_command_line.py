@@ -252,12 +252,14 @@ def test_robots_are_listed(tsd: Tsd, tmp_path: Path) -> None:
     shown = tsd("robot", "list", "--json", str(target))
     assert (shown.code, shown.err) == (0, "")
     words = " ".join(shown.out.split())
-    assert "hermes_lower 17 left_foot, right_foot circle, lean, squat, sway, twist" in words
-    (hermes,) = json.loads(target.read_text())["robots"]
-    assert hermes["name"] == "hermes_lower"
+    assert "hermes_lower 17 circle, lean, squat, sway, twist" in words
+    assert "g1 29 circle, lean, reach, squat, sway, twist" in words
+    robots = {robot["name"]: robot for robot in json.loads(target.read_text())["robots"]}
+    assert robots.keys() == {"g1", "hermes_lower", "talos"}
+    hermes = robots["hermes_lower"]
     assert len(hermes["joints"]) == 17
     assert Path(hermes["file"]).is_file()
-    assert json.loads(tsd("robot", "list", "--json", "-").out) == {"robots": [hermes]}
+    assert json.loads(tsd("robot", "list", "--json", "-").out) == {"robots": [*robots.values()]}
 
 
 OWN = """

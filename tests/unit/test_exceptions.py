@@ -92,6 +92,27 @@ CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
     ),
     "ServiceFailed": (("internal", "it broke"), {"code": "internal"}, ["it broke"]),
     "ServiceNotReady": (("not ready after 1 s",), {}, ["not ready after 1 s"]),
+    "AlreadyRunning": (
+        ("controller", "hermes_lower", 12, "tcp/127.0.0.1:7447", "2030-01-01T00:00:00+00:00"),
+        {
+            "role": "controller",
+            "subject": "hermes_lower",
+            "pid": 12,
+            "endpoint": "tcp/127.0.0.1:7447",
+            "since": "2030-01-01T00:00:00+00:00",
+        },
+        ["controller for hermes_lower", "process 12", "7447", "since 2030", "kill 12", "status"],
+    ),
+    "RunDirectoryUnusable": (
+        (HERE, "others can enter it"),
+        {"path": HERE, "reason": "others can enter it"},
+        [str(HERE), "others can enter it", "chmod 700", "TSD_RUN_DIR"],
+    ),
+    "CertificateRefused": (
+        ("tls/robot:7447", "its certificate has expired", "make a new one"),
+        {"endpoint": "tls/robot:7447", "reason": "its certificate has expired"},
+        ["tls/robot:7447", "has expired", "make a new one"],
+    ),
     "EndpointTaken": (
         ("learner", "tcp/127.0.0.1:7448", "in use"),
         {"endpoint": "tcp/127.0.0.1:7448"},

@@ -23,7 +23,14 @@ EACH = 250
 LEAST_ACTIVE = 3
 FILES = {path.stem: path for path in Path(__file__).parents[1].glob("robots/*/*.yaml")}
 # shares of the torque limits that are too little every other time
-WEAK = {"hermes_lower": 0.09, "mini_biped": 0.003, "mini_quadruped": 0.09, "peg_leg": 0.003}
+WEAK = {
+    "g1": 0.09,
+    "hermes_lower": 0.09,
+    "mini_biped": 0.003,
+    "mini_quadruped": 0.09,
+    "peg_leg": 0.003,
+    "talos": 0.09,
+}
 # joints of a leg and how far each turns where the knee does
 KNEES = {
     "hermes_lower": [
@@ -200,7 +207,8 @@ def test_states_are_solved_and_half_of_them_are_stressed(
     inequalities = problem.row_names[problem.nv + problem.n_equalities :]
     every = {kind_of(problem, row) for row in inequalities} | {"joint_acceleration"}
     assert every >= {"friction", "unilateral_force", "joint_torque"}
-    assert min(kinds[kind] for kind in every) > 20
+    # the rarest, a foot that would lift, in one state of 25
+    assert min(kinds[kind] for kind in every) > EACH / 25
 
 
 def kind_of(problem: InverseDynamics, row: str) -> str:
@@ -326,8 +334,8 @@ class Numeric:
         pinocchio.forwardKinematics(model, self.data, self.q, self.v, zero)
         pinocchio.updateFramePlacements(model, self.data)
 
-    def frame(self, name: str, axes: Any) -> tuple[Any, np.ndarray, np.ndarray]:
-        frame = self.model.getFrameId(name)
+    def frame(self, part: Any, axes: Any) -> tuple[Any, np.ndarray, np.ndarray]:
+        frame = self.robot.frame_id(part.name)
         drift = pinocchio.getFrameClassicalAcceleration(self.model, self.data, frame, axes)
         J = pinocchio.getFrameJacobian(self.model, self.data, frame, axes)
         return self.data.oMf[frame], np.array(J), np.array(drift.vector)
@@ -337,7 +345,7 @@ class Numeric:
         for contact in self.robot.description.contacts:
             sole = contact.type == "sole"
             axes = pinocchio.LOCAL if sole else pinocchio.LOCAL_WORLD_ALIGNED
-            _, J, drift = self.frame(contact.frame, axes)
+            _, J, drift = self.frame(contact, axes)
             k = 6 if sole else 3
             found.append((contact, J[:k], drift[:k], self.is_active(contact.name)))
         return found
@@ -356,7 +364,7 @@ class Numeric:
             J, drift, error = self.J_com, self.drift_com, reference - self.com
         else:
             rows = [FRAME_AXES.index(axis) for axis in task.axes]
-            placement, J, drift = self.frame(task.frame, pinocchio.LOCAL_WORLD_ALIGNED)
+            placement, J, drift = self.frame(task, pinocchio.LOCAL_WORLD_ALIGNED)
             away = (
                 Rotation.from_quat(reference[3:]) * Rotation.from_matrix(placement.rotation).inv()
             )
@@ -559,7 +567,7 @@ def test_a_switched_off_foot_carries_nothing(
         # Newton's law: the others carry all that there is to carry
         numeric, carried = Numeric(robot, solved.command), np.zeros(3)
         for contact in robot.description.contacts:
-            placement = numeric.frame(contact.frame, pinocchio.LOCAL)[0]
+            placement = numeric.frame(contact, pinocchio.LOCAL)[0]
             axes = placement.rotation if contact.type == "sole" else np.eye(3)
             carried += axes @ solved.tick.wrenches[contact.name][:3]
         acceleration = numeric.J_com @ solved.tick.qdd + numeric.drift_com
@@ -574,7 +582,8 @@ def test_a_point_carries_no_moment(controller: Controller, solutions: list[Solve
 
 def test_the_force_of_a_point_has_its_normal_along_the_worlds(controller: Controller) -> None:
     # turned about a horizontal axis with the whole robot, a sole would press askew
-    for contact in problem_of(controller).contacts:
+    files = problem_of(controller).robot.description.contacts
+    for contact, file in zip(problem_of(controller).contacts, files, strict=True):
         if contact.size == 3:
             command = controller.command()
             command["q"][3:7] = turned(command["q"][3:7], np.random.default_rng(11), 0.2)
@@ -582,7 +591,7 @@ def test_the_force_of_a_point_has_its_normal_along_the_worlds(controller: Contro
             names = problem_of(controller).format.row_names
             row = names.index(f"{contact.name}.unilateral_force") - problem_of(controller).nv
             data = Numeric(problem_of(controller).robot, command)
-            _, J, _ = data.frame(contact.frame, pinocchio.LOCAL_WORLD_ALIGNED)
+            _, J, _ = data.frame(file, pinocchio.LOCAL_WORLD_ALIGNED)
             # the force that the row bounds does the work of the world's z
             column = int(np.flatnonzero(program.A[row])[0])
             np.testing.assert_allclose(program.A[:6, column], -J[2, :6], atol=1e-12)
@@ -691,15 +700,17 @@ def test_posture_does_not_disturb_the_tasks(controller: Controller) -> None:
         numeric = Numeric(problem_of(controller).robot, command)
         N = numeric.null_space()
         for task in problem_of(controller).robot.description.tasks:
-            assert np.abs(numeric.task(task)[0] @ N).max() < 1e-4
+            if numeric.is_active(task.name):
+                assert np.abs(numeric.task(task)[0] @ N).max() < 1e-4
         assert np.abs(numeric.contact_jacobian @ N).max() < 1e-4
 
 
 def test_standing_still_at_home_carries_the_weight(controller: Controller, robot: Robot) -> None:
     tick = controller.tick(robot.home, controller.command())
     assert (tick.status, tick.active) == (Status.OK, [])
-    assert sum(w[2] for w in tick.wrenches.values()) == pytest.approx(robot.weight, rel=1e-6)
-    assert np.abs(tick.qdd).max() < 1e-3
+    # a home that is written with four digits lets the feet press on each other a little
+    assert sum(w[2] for w in tick.wrenches.values()) == pytest.approx(robot.weight, rel=1e-5)
+    assert np.abs(tick.qdd).max() < 5e-3
 
 
 def test_moving_the_whole_problem_changes_nothing(controller: Controller) -> None:
@@ -729,6 +740,9 @@ def lively(controller: Controller) -> Command:
         robot.axis_for("", kind, axis).split(".")[0]
         for kind, axis in (("com", "x"), ("frame", "rx"))
     )
+    # on narrow feet one limit would push the centre of pressure against another
+    for name in names_of(problem_of(controller), ".extents"):
+        command[name] = np.copysign(np.maximum(np.abs(command[name]), 0.05), command[name])
     command[f"{com}.reference_acceleration"] = [0.3, 0.2, 0.5]
     command[f"{turning}.reference_acceleration"] = [0.5, 0.4, 0.3]
     return command

@@ -190,6 +190,24 @@ def test_who_is_behind_is_not_asked_until_the_periods_are_made_up(
     assert run.missed == {"late": 10}
 
 
+def test_an_answer_that_this_process_takes_too_late_is_not_applied(
+    robot: Robot, tick_format: TickFormat
+) -> None:
+    clock = Clock()
+
+    class Overslept(Moody):
+        def tick_within(self, state: State, command: Command, seconds: float) -> Tick | Missed:
+            answer = super().tick_within(state, command, seconds)
+            if self.asked in (220, 240):
+                # to the deadline, and beyond it by as little as there is
+                clock.time += seconds if self.asked == 220 else np.nextafter(seconds, 1.0) + 1e-9
+            return answer
+
+    run = run_with(robot, Overslept(robot, tick_format, lambda asked: None), clock=clock)
+    assert run.missed == {"late": 1}
+    np.testing.assert_array_equal(np.flatnonzero(run.log["missed"]), [239])
+
+
 def test_a_controller_in_this_process_is_late_too(robot: Robot, tick_format: TickFormat) -> None:
     clock = Clock()
 

@@ -337,3 +337,22 @@ def turned(text: str, turn: np.ndarray) -> str:
         f'<child link="pelvis"/><origin rpy="{rpy}"/></joint></robot>'
     )
     return text.replace("</robot>", base)
+
+
+def test_names_may_have_dashes_and_spaces(write_robot: WriteRobot, robot: Robot) -> None:
+    def edit(document: Any) -> None:
+        for posture in (document["home"], *document["postures"].values()):
+            posture["L-KFE 1"] = posture.pop("L_KFE")
+        document["contacts"][0]["frame"] = "L-sole"
+
+    def urdf(text: str) -> str:
+        return text.replace('"L_KFE"', '"L-KFE 1"').replace('"L_sole"', '"L-sole"')
+
+    renamed = load_robot(write_robot(edit, urdf))
+    assert renamed.joint_names == [
+        "L-KFE 1" if name == "L_KFE" else name for name in robot.joint_names
+    ]
+    np.testing.assert_array_equal(renamed.home.q, robot.home.q)
+    # not in the robot's own name, which is a part of keys
+    error = error_of(write_robot(update(name="my-robot")))
+    assert error.field == "name"

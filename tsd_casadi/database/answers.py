@@ -88,7 +88,7 @@ class Answers:
         readable = ([each for each in same if isinstance(each, Entry)] for same in read)
         return [same for same in readable if same]
 
-    def generalised(
+    def generalize(
         self,
         comparable: Iterable[list[Entry]],
         parameters: Mapping[str, float],

@@ -8,8 +8,9 @@ from typing import Any
 from tsd_casadi.database.damaged_entry import DamagedEntry
 from tsd_casadi.database.database_file import DatabaseFile
 from tsd_casadi.database.entry_index import IndexedEntry
+from tsd_casadi.database.iteration_rows import IterationOutline, IterationRow
 from tsd_casadi.database.kept_entries import KeptEntries
-from tsd_casadi.database.rows import EntryRow, EventRow, IterationOutline, IterationRow, build
+from tsd_casadi.database.rows import EntryRow, EventRow, build
 from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.motions.declaration import Declaration

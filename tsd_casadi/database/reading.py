@@ -178,7 +178,7 @@ class Reading:
             if kind == "learned":
                 raise answers.not_learned(parameters)
             comparable = answers.comparable(axes)
-        return answers.generalised(
+        return answers.generalize(
             comparable, parameters, self._regressions, extrapolate=extrapolate
         )
 

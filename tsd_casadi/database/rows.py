@@ -2,53 +2,24 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Annotated, Any, Literal
+from collections.abc import Sequence
+from typing import Annotated, Literal
 
-import numpy as np
-from pydantic import ConfigDict, Field, Json
+from pydantic import Field, Json
 
-from tsd_casadi.database.checksum import checksum
-from tsd_casadi.document import AnyDocument, Document, Finite, to_matrix
+from tsd_casadi.database.iteration_rows import IterationOutline
+from tsd_casadi.database.row import Row
+from tsd_casadi.document import Document, Finite
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import MalformedMessage
-from tsd_casadi.learning.axis_error import AxisError
 from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
-from tsd_casadi.learning.iteration import Iteration
 from tsd_casadi.learning.rules.by_name import find_rule
 from tsd_casadi.motions.declaration import Declaration
-from tsd_casadi.state import Matrix
 
-Numbers = list[list[float]]
 EventKind = Literal["recorded", "imported", "migrated", "forgotten"]
-
-
-class Row(Document):
-    """A row of a table; the fields are its columns but the checksum."""
-
-    @classmethod
-    def check(cls: type[AnyDocument], columns: Mapping[str, Any]) -> AnyDocument:
-        """Check a row and its checksum.
-
-        Args:
-            columns: All columns by name.
-
-        Raises:
-            ValueError: If it is not what was written, or makes no sense.
-        """
-        content = _without_checksum(columns)
-        if columns["checksum"] != checksum(content):
-            raise MalformedMessage("a row that does not fit its checksum", "it as it was written")
-        return cls.model_validate(content)
-
-
-def _without_checksum(columns: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in columns.items() if name != "checksum"}
 
 
 class BasisColumn(Document):
@@ -85,91 +56,6 @@ class EventRow(Row):
     circumstances: Json[Circumstances]
     rule: str
     learning_gain: Finite
-
-
-class IterationOutline(Row):
-    """A row of the table 'iteration' without its weights, which are not decoded."""
-
-    model_config = ConfigDict(extra="ignore")
-
-    entry: int
-    number: Annotated[int, Field(ge=0)]
-    event: int
-    learned_from: int | None
-    epoch: Annotated[int, Field(ge=0)]
-    errors: Json[dict[str, AxisError]] | None
-    circumstances: Json[Circumstances] | None
-
-    def iteration(self, axes: tuple[str, ...], L: int) -> Iteration:
-        """Build the iteration with weights of no columns, (k, 0).
-
-        Args:
-            axes: Of the entry.
-            L: Number of basis functions.
-
-        Raises:
-            MalformedMessage: If errors are of other axes.
-        """
-        if self.errors is not None:
-            if tuple(self.errors) != axes:
-                raise MalformedMessage(
-                    f"errors of {', '.join(self.errors)}", f"of {', '.join(axes)}"
-                )
-            if not all(math.isfinite(e.rms) and e.rms >= 0 for e in self.errors.values()):
-                raise MalformedMessage("errors without a valid RMS error", "a number not below 0")
-        return Iteration(
-            number=self.number,
-            weights=np.empty((len(axes), 0)),
-            errors=self.errors,
-            circumstances=self.circumstances,
-            learned_from=self.learned_from,
-            epoch=self.epoch,
-        )
-
-
-class IterationRow(IterationOutline):
-    """A row of the table 'iteration': how an iteration is since an event."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    @classmethod
-    def of_checked(cls, columns: Mapping[str, Any]) -> IterationRow:
-        """Decode a row whose checksum its outline has checked.
-
-        Raises:
-            ValueError: If it makes no sense.
-        """
-        return cls.model_validate(_without_checksum(columns))
-
-    weights: Json[Numbers]
-    uncertainty: Json[Numbers] | None
-    feedback: Json[Numbers] | None
-    error_weights: Json[Numbers] | None
-    reference_weights: Json[Numbers] | None
-
-    def iteration(self, axes: tuple[str, ...], L: int) -> Iteration:
-        """Build the iteration.
-
-        Args:
-            axes: Of the entry.
-            L: Number of basis functions.
-
-        Raises:
-            MalformedMessage: If weights are of another shape or errors of other axes.
-        """
-
-        def matrix(name: str) -> Matrix | None:
-            rows = getattr(self, name)
-            return None if rows is None else to_matrix(name, rows, (len(axes), L))
-
-        return replace(
-            super().iteration(axes, L),
-            weights=to_matrix("weights", self.weights, (len(axes), L)),
-            feedback=matrix("feedback"),
-            error_weights=matrix("error_weights"),
-            reference_weights=matrix("reference_weights"),
-            uncertainty=matrix("uncertainty"),
-        )
 
 
 def build(

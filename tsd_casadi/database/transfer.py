@@ -12,7 +12,8 @@ from pydantic import Field, ValidationError
 
 from tsd_casadi.database.checksum import checksum
 from tsd_casadi.database.columns import entry_columns, event_columns, iteration_columns
-from tsd_casadi.database.rows import EntryRow, EventRow, IterationRow, build
+from tsd_casadi.database.iteration_rows import IterationRow
+from tsd_casadi.database.rows import EntryRow, EventRow, build
 from tsd_casadi.document import AnyDocument, Document, Name
 from tsd_casadi.exceptions import InvalidValue, MalformedMessage
 from tsd_casadi.learning.entry import Entry

@@ -5,7 +5,9 @@ from __future__ import annotations
 from tsd_casadi.database.database_file import DatabaseFile
 from tsd_casadi.database.derived import DIFFERENCES
 from tsd_casadi.database.entry_rows import COLUMNS, EntryRows
-from tsd_casadi.database.rows import EntryRow, EventRow, IterationRow, Row
+from tsd_casadi.database.iteration_rows import IterationRow
+from tsd_casadi.database.row import Row
+from tsd_casadi.database.rows import EntryRow, EventRow
 from tsd_casadi.exceptions import DatabaseError
 
 _KINDS: dict[str, type[Row]] = {"entry": EntryRow, "event": EventRow, "iteration": IterationRow}

@@ -31,6 +31,9 @@ what was expected and what to do about it::
         ├── ServiceNotReady
         ├── ControllerSilent
         ├── EndpointTaken
+        ├── AlreadyRunning
+        ├── RunDirectoryUnusable
+        ├── CertificateRefused
         └── TwoServices
 
 An error that a service answers with arrives at the client as the class that the
@@ -57,8 +60,11 @@ from tsd_casadi.exceptions.learning import (
 )
 from tsd_casadi.exceptions.robot import ParityError, RobotError, RobotFileError, UnknownRobot
 from tsd_casadi.exceptions.services import (
+    AlreadyRunning,
+    CertificateRefused,
     ControllerSilent,
     EndpointTaken,
+    RunDirectoryUnusable,
     ServiceError,
     ServiceFailed,
     ServiceNotReady,
@@ -75,8 +81,10 @@ from tsd_casadi.exceptions.values import (
 )
 
 __all__ = [
+    "AlreadyRunning",
     "CacheNotPrivate",
     "CacheNotWritable",
+    "CertificateRefused",
     "CompilationFailed",
     "CompilerNotFound",
     "ControllerError",
@@ -94,6 +102,7 @@ __all__ = [
     "ParityError",
     "RobotError",
     "RobotFileError",
+    "RunDirectoryUnusable",
     "ServiceError",
     "ServiceFailed",
     "ServiceNotReady",

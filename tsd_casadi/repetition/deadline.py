@@ -6,7 +6,6 @@ from typing import Protocol, runtime_checkable
 
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.repetition.clock import Clock
 from tsd_casadi.state import State
 from tsd_casadi.tick.command import Command
 from tsd_casadi.tick.missed import Cause, Missed
@@ -28,19 +27,16 @@ class PunctualController(Protocol):
         """
 
 
-class Stopwatch:
-    """Any other controller: it cannot be interrupted, but what is late is not used."""
+class Uninterrupted:
+    """Any other controller: it takes the time that it takes, whoever asked looks at the clock."""
 
-    def __init__(self, controller: WholeBodyController, clock: Clock) -> None:
-        """Time a controller."""
-        self._controller, self._clock = controller, clock
+    def __init__(self, controller: WholeBodyController) -> None:
+        """Ask a controller."""
+        self._controller = controller
 
     def tick_within(self, state: State, command: Command, seconds: float) -> Tick | Missed:
-        """Compute the torque, and drop it if that took too long; see ``PunctualController``."""
-        end = self._clock.now() + seconds
+        """Compute the torque, perhaps too late; see ``PunctualController``."""
         try:
-            tick = self._controller.tick(state, command)
+            return self._controller.tick(state, command)
         except InvalidValue as error:
             return Missed(Cause.REFUSED, str(error))
-        over = self._clock.now() - end
-        return Missed(Cause.LATE, f"by {1e3 * over:.3g} ms") if over > 0 else tick

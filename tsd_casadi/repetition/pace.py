@@ -8,7 +8,7 @@ from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.exceptions import ControllerSilent, InvalidValue
 from tsd_casadi.fallback.fallback import Fallback, fallback_of
 from tsd_casadi.repetition.clock import Clock, WallClock
-from tsd_casadi.repetition.deadline import PunctualController, Stopwatch
+from tsd_casadi.repetition.deadline import PunctualController, Uninterrupted
 from tsd_casadi.repetition.patience import PATIENCE, check_patience
 from tsd_casadi.repetition.torque_blend import TorqueBlend
 from tsd_casadi.robot.robot import Robot
@@ -65,9 +65,7 @@ class Periods:
         """
         self._clock, self._duration, self._pace = pace.clock, period / pace.factor, pace
         self._controller: PunctualController = (
-            controller
-            if isinstance(controller, PunctualController)
-            else Stopwatch(controller, pace.clock)
+            controller if isinstance(controller, PunctualController) else Uninterrupted(controller)
         )
         self._fallback = fallback_of(robot, period) if pace.fallback is None else pace.fallback
         self._blend = TorqueBlend(robot.torque_limit)
@@ -90,13 +88,17 @@ class Periods:
             ControllerSilent: If the patience is over.
         """
         now = self._clock.now()
-        left = self._begun + (self._count + 1) * self._duration - now
-        if left <= 0:
+        due = self._begun + (self._count + 1) * self._duration
+        if now >= due:
             answer: Tick | Missed = Missed(
                 Cause.LATE, "this computer is behind; try a slower --pace"
             )
         else:
-            answer = self._controller.tick_within(state, command, left)
+            answer = self._controller.tick_within(state, command, due - now)
+            # also where it was there in time and this process was not
+            over = self._clock.now() - due
+            if over > 0 and isinstance(answer, Tick):
+                answer = Missed(Cause.LATE, f"by {1e3 * over:.3g} ms")
         if isinstance(answer, Tick):
             self._answered = now
         elif now - self._answered > self._pace.patience:

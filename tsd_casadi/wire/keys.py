@@ -8,6 +8,7 @@
     tsd/<robot>/learner/suggestion   a region of them -> where to learn next (JSON)
     tsd/<robot>/learner/record       laps of one repetition -> what was learned (JSON)
     tsd/<robot>/learner/database     what is known (JSON)
+    tsd/<robot>/<role>/health        uptime, counts, latencies (JSON)
     tsd/<robot>/<role>/alive         liveliness token
 
 One learner serves every robot, so its keys have ``*`` for the robot.
@@ -52,6 +53,11 @@ def record_key(robot: str) -> str:
 def database_key(robot: str) -> str:
     """Make the key of the list of entries."""
     return _key(robot, "learner/database")
+
+
+def health_key(robot: str, role: str) -> str:
+    """Make the key of how a service is."""
+    return _key(robot, f"{role}/health")
 
 
 def alive_key(robot: str, role: str) -> str:

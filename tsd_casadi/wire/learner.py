@@ -64,7 +64,8 @@ class EntryMessage(Document):
         updated: ISO 8601, UTC.
         iterations: Every iteration.
         contractions: What iterations leave of an error, by learned axis and
-            harmonic; none while position errors are unknown.
+            harmonic; none while position errors are unknown, nor in lists, for
+            which no weights are decoded.
     """
 
     entry: int

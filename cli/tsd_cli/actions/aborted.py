@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 import typer
@@ -14,11 +14,14 @@ ABORTED = 4
 
 
 @contextmanager
-def keep_aborted(put_out: Callable[[Run], None]) -> Iterator[Callable[[Run], None]]:
+def keep_aborted(
+    put_out: Callable[[Run], None], files: Sequence[str]
+) -> Iterator[Callable[[Run], None]]:
     """Put out what was run of a repetition before an error or the user ended it.
 
     Args:
         put_out: Shows and writes it.
+        files: Where to, for people.
 
     Yields:
         What is to be called with such a run.
@@ -33,8 +36,19 @@ def keep_aborted(put_out: Callable[[Run], None]) -> Iterator[Callable[[Run], Non
         if not kept:
             raise
         put_out(kept[0])
-        typer.echo(f"note: aborted after {kept[0].ticks} periods, which are kept", err=True)
+        kept_in = f", kept in {' and '.join(files)}" if files else "; --log and --json keep them"
+        typer.echo(f"note: aborted after {kept[0].ticks} periods{kept_in}", err=True)
         if isinstance(error, KeyboardInterrupt):
             raise
         typer.echo(f"error: {error}", err=True)
         raise typer.Exit(ABORTED) from error
+
+
+@contextmanager
+def put_out_on_interrupt(put_out: Callable[[], None]) -> Iterator[None]:
+    """Put out what there is when Ctrl-C is pressed, which then goes on as it is."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        put_out()
+        raise

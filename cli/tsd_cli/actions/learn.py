@@ -15,7 +15,7 @@ from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.record import context_of
 from tsd_casadi.robot.robot import Robot, load_robot
-from tsd_cli.actions.aborted import ABORTED
+from tsd_cli.actions.aborted import ABORTED, put_out_on_interrupt
 from tsd_cli.actions.prepare import (
     asked_motion,
     chosen_axes,
@@ -78,7 +78,14 @@ def learn_by_repetition(
     story = Story()
     failure: TsdError | None = None
     runs = (learning.iterations + 1.0) * max(places.auto, 1)
+
+    def put_out_story() -> None:
+        result = {"robot": robot.name, "motion": wanted.name, "axes": list(axes), **story.plain()}
+        if failure is None or story.summaries:
+            put_out(result, output, lambda: story.show(wanted, rule, places))
+
     with (
+        put_out_on_interrupt(put_out_story),
         open_learner(services) as learner,
         open_controller(services, robot, time.patience) as controller,
         show_progress(f"learning {wanted.name}", runs) as progress,
@@ -139,9 +146,7 @@ def learn_by_repetition(
             except TsdError as error:
                 failure = error  # shown after what was learned before it
             story.keep_place(place, before)
-    result = {"robot": robot.name, "motion": wanted.name, "axes": list(axes), **story.plain()}
-    if failure is None or story.summaries:
-        put_out(result, output, lambda: story.show(wanted, rule, places))
+    put_out_story()
     if failure is not None and story.was_aborted:
         typer.echo(f"error: {failure}", err=True)
         raise typer.Exit(ABORTED)

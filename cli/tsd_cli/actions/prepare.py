@@ -142,7 +142,9 @@ def open_controller(
     if options.controller is ControllerChoice.LOCAL:
         yield compile_with_activity(robot)
         return
-    with RemoteController(robot.name, options.connect or [CONTROLLER], patience) as remote:
+    with RemoteController(
+        robot.name, options.endpoints(CONTROLLER), patience, zenoh_file=options.zenoh_file()
+    ) as remote:
         if remote.model != robot.fingerprint:
             raise SimulationError(
                 f"the controller service was started with other files of {robot.name} (model "
@@ -169,4 +171,4 @@ def open_learner(options: ConnectOptions) -> RemoteLearner:
     Raises:
         ServiceUnreachable: If no service answers.
     """
-    return RemoteLearner(options.connect or [LEARNER])
+    return RemoteLearner(options.endpoints(LEARNER), zenoh_file=options.zenoh_file())

@@ -30,7 +30,7 @@ from tsd_cli.options.output import LogOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
-from tsd_cli.output import check_outputs, put_out
+from tsd_cli.output import STDOUT, check_outputs, put_out
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.run_tables import print_runs
 from tsd_clients.logs.log_file import check_log_path, save_log
@@ -66,8 +66,9 @@ def simulate_once(
     simulator = make_simulator(body, robot, repetition.period)
     correction = "".join(item.correction for item in compensators)
     learned = _ask(repetition.feedforward, robot, wanted, axes, correction, services)
+    files = [str(file) for file in (output.log, output.json_file) if file not in (None, STDOUT)]
     with (
-        keep_aborted(partial(_put_out, output=output)) as keep,
+        keep_aborted(partial(_put_out, output=output), files) as keep,
         open_controller(services, robot, time.patience) as controller,
         show_progress(describe_motion(wanted), 1.0) as progress,
     ):
@@ -101,7 +102,12 @@ def _put_out(run: Run, output: LogOptions) -> None:
     if output.log is not None:
         save_log(run, output.log)
     summary = {"label": label_of(run), **run.summary()}
-    put_out(summary, output, lambda: print_runs("simulation", [summary]))
+
+    def show() -> None:
+        if run.laps or not run.aborted:  # a table of nothing measured says nothing
+            print_runs("simulation", [summary])
+
+    put_out(summary, output, show)
 
 
 def _ask(

@@ -3,28 +3,22 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tsd_casadi.wire.endpoints import CONTROLLER, LEARNER
 from tsd_cli.option_groups import with_groups
 from tsd_cli.options.robot import RobotOptions
+from tsd_cli.options.services import ListenOptions
 
-
-def _listen(default: str) -> typer.models.OptionInfo:
-    option: typer.models.OptionInfo = typer.Option(
-        "--listen",
-        metavar="ENDPOINT",
-        help=f"Endpoint to listen on; repeat for more than one. Default: {default}.",
-    )
-    return option
+if TYPE_CHECKING:
+    from tsd_server.place import Place
 
 
 @with_groups
 def controller(
     robot: RobotOptions,
-    listen: Annotated[list[str] | None, _listen(CONTROLLER)] = None,
+    network: ListenOptions,
 ) -> None:
     """Serve a robot's controller: state and command in, torques out.
 
@@ -33,14 +27,16 @@ def controller(
 
       tsd controller
       tsd controller --robot my_robot.yaml --listen tcp/127.0.0.1:7450
+      tsd controller --listen tls/0.0.0.0:7447 --zenoh-config robot.json5
     """
     from tsd_server.serve import serve_controller
 
-    serve_controller(robot.robot, listen or [CONTROLLER])
+    serve_controller(robot.robot, _prepare(network))
 
 
 @with_groups
 def learner(
+    network: ListenOptions,
     database: Annotated[
         Path | None,
         typer.Option(
@@ -49,7 +45,6 @@ def learner(
             help="SQLite file, made if there is none. Default: in the user's data folder.",
         ),
     ] = None,
-    listen: Annotated[list[str] | None, _listen(LEARNER)] = None,
 ) -> None:
     """Serve the database of learned feedforward terms, for every robot.
 
@@ -60,4 +55,12 @@ def learner(
     """
     from tsd_server.serve import serve_learner
 
-    serve_learner(database, listen or [LEARNER])
+    serve_learner(database, _prepare(network))
+
+
+def _prepare(network: ListenOptions) -> Place:
+    from tsd_server.log_level import show_log
+    from tsd_server.place import Place
+
+    show_log(network.log_level or ("info" if network.verbose else None))
+    return Place(network.listen or (), network.zenoh_config, network.expose)

@@ -98,6 +98,7 @@ class LockStep:
         """Ask until there is an answer or the patience is over; says in the log what for."""
         answer: Vector | Missed = why
         start = last = time.monotonic()
+        waited: dict[Cause, float] = {}
         is_told = False
         while isinstance(answer, Missed):
             why = answer
@@ -105,6 +106,7 @@ class LockStep:
             answer = self._ask_once(sequence, payload)
             now = time.monotonic()
             self.waited[why.cause] += now - last
+            waited[why.cause] = waited.get(why.cause, 0.0) + now - last
             last = now
             if not isinstance(answer, Missed):
                 break
@@ -112,7 +114,8 @@ class LockStep:
                 raise ServiceUnreachable(
                     "controller",
                     self._endpoints,
-                    f"waited {self._patience:g} s for a reply, {answer}",
+                    f"waited {self._patience:g} s for a reply, "
+                    + ", ".join(f"{cause.words} {each:.1f} s" for cause, each in waited.items()),
                 )
             if not is_told and now - start > NOTICEABLE:
                 limit = "" if math.isinf(self._patience) else f" for up to {self._patience:g} s"

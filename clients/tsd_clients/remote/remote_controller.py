@@ -19,6 +19,7 @@ from tsd_casadi.wire.endpoints import CONTROLLER
 from tsd_casadi.wire.info import InfoMessage
 from tsd_casadi.wire.keys import tick_key
 from tsd_casadi.wire.tick_message import REQUEST, pack_tick
+from tsd_casadi.wire.zenoh_file import ZenohFile
 from tsd_clients.remote.belief import Belief, ask_info
 from tsd_clients.remote.lock_step import TICK_TIMEOUT, LockStep
 from tsd_clients.remote.session import Session
@@ -38,13 +39,19 @@ class RemoteController:
     """
 
     def __init__(
-        self, robot: str, connect: Sequence[str] = (CONTROLLER,), patience: float = PATIENCE
+        self,
+        robot: str,
+        connect: Sequence[str] = (CONTROLLER,),
+        patience: float = PATIENCE,
+        *,
+        zenoh_file: ZenohFile | None = None,
     ) -> None:
         """Connect and ask what the service is.
 
         Args:
             connect: Endpoints of the service.
             patience: How long ``tick`` asks again [s]; infinite for ever.
+            zenoh_file: Certificates and what else the network needs.
 
         Raises:
             ServiceUnreachable: If no service answers.
@@ -53,7 +60,7 @@ class RemoteController:
         """
         check_patience(patience)
         self._robot = robot
-        self._session = Session("controller", connect, low_latency=True)
+        self._session = Session("controller", connect, zenoh_file=zenoh_file)
         self._sequence = 0
         try:
             self._session.wait_for(robot)

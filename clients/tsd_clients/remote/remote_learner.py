@@ -22,22 +22,26 @@ from tsd_casadi.wire.learner import DatabaseReply, EntryMessage, RecordReply
 from tsd_casadi.wire.question import question_texts
 from tsd_casadi.wire.record import RecordMessage
 from tsd_casadi.wire.suggestion import SuggestionMessage
+from tsd_casadi.wire.zenoh_file import ZenohFile
 from tsd_clients.remote.session import Session
 
 
 class RemoteLearner:
     """Records with and asks a learner service."""
 
-    def __init__(self, connect: Sequence[str] = (LEARNER,)) -> None:
+    def __init__(
+        self, connect: Sequence[str] = (LEARNER,), *, zenoh_file: ZenohFile | None = None
+    ) -> None:
         """Connect.
 
         Args:
             connect: Endpoints of the service.
+            zenoh_file: Certificates and what else the network needs.
 
         Raises:
             ServiceUnreachable: If no service is there.
         """
-        self._session = Session("learner", connect)
+        self._session = Session("learner", connect, zenoh_file=zenoh_file)
         try:
             self._session.wait_for(ANY_ROBOT)
         except BaseException:

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Sequence
 from typing import Any
 
 import zenoh
 
-from tsd_casadi.exceptions import MalformedMessage, ServiceUnreachable, TwoServices
-from tsd_casadi.wire.endpoints import check_endpoint, configure_runtime, session_settings
+from tsd_casadi.exceptions import (
+    InvalidValue,
+    MalformedMessage,
+    ServiceUnreachable,
+    TwoServices,
+)
+from tsd_casadi.wire.certificates import Certificates
+from tsd_casadi.wire.endpoints import check_endpoint
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import alive_key
+from tsd_casadi.wire.session_settings import configure_runtime, session_settings
+from tsd_casadi.wire.zenoh_file import ZenohFile
+from tsd_clients.remote.silence import explain_silence
 
 # how long a service may take to appear after a client started
 PATIENCE = 5.0  # s
@@ -26,25 +36,37 @@ class Session:
         zenoh: The Zenoh session.
     """
 
-    def __init__(self, role: str, endpoints: Sequence[str], *, low_latency: bool = False) -> None:
+    def __init__(
+        self, role: str, endpoints: Sequence[str], *, zenoh_file: ZenohFile | None = None
+    ) -> None:
         """Connect.
 
         Args:
             role: 'controller' or 'learner'.
-            low_latency: See ``session_settings``.
+            zenoh_file: Certificates and what else the network needs.
 
         Raises:
-            InvalidValue: If an endpoint is malformed.
+            InvalidValue: If an endpoint or the file is malformed.
+            CertificateRefused: If one of the two ends does not trust the other.
             ServiceUnreachable: If Zenoh cannot open the session.
         """
         self.role = role
         self.endpoints = [check_endpoint(endpoint) for endpoint in endpoints]
+        if zenoh_file is not None:
+            certificates = Certificates.of(zenoh_file, "connect")
+            for endpoint in self.endpoints:
+                if endpoint.startswith("tls/"):
+                    certificates.check_own(endpoint, "connect")
+                    certificates.check_other(endpoint)
+        settings = session_settings(connect=self.endpoints)
+        if zenoh_file is not None:
+            settings = zenoh_file.applied_to(settings)
         configure_runtime()
         zenoh.init_log_from_env_or("off")
-        config = zenoh.Config()
-        settings = session_settings(connect=self.endpoints, low_latency=low_latency)
-        for key, value in settings.items():
-            config.insert_json5(key, value)
+        try:
+            config = zenoh.Config.from_json5(json.dumps(settings))
+        except zenoh.ZError as error:
+            raise InvalidValue("--zenoh-config", str(error), "what Zenoh knows") from error
         try:
             self.zenoh: Any = zenoh.open(config)
         except zenoh.ZError as error:
@@ -53,6 +75,12 @@ class Session:
     def close(self) -> None:
         """Close the session."""
         self.zenoh.close()
+
+    def alive(self) -> list[tuple[str, str]]:
+        """List robot and role of the services that are there, by their liveliness tokens."""
+        replies = self.zenoh.liveliness().get(alive_key("*", self.role), timeout=1.0)
+        keys = [str(reply.ok.key_expr).split("/") for reply in replies if reply.ok is not None]
+        return [(key[1], key[2]) for key in keys]
 
     def wait_for(self, robot: str, patience: float = PATIENCE) -> None:
         """Wait until the service's liveliness token is there.
@@ -67,17 +95,16 @@ class Session:
         end = time.monotonic() + patience
         others: set[str] = set()
         while time.monotonic() < end:
-            for reply in self.zenoh.liveliness().get(alive_key("*", self.role), timeout=1.0):
-                if reply.ok is None:
-                    continue
-                key = zenoh.KeyExpr(str(reply.ok.key_expr))
+            for name, role in self.alive():
+                key = zenoh.KeyExpr(alive_key(name, role))
                 if key.intersects(zenoh.KeyExpr(alive_key(robot, self.role))):
                     return
-                others.add(str(key).split("/")[1])
+                others.add(name)
             time.sleep(0.05)
-        detail = f"waited {patience:g} s"
         if others:
             detail = f"there it serves robot {', '.join(sorted(others))}, not {robot}"
+        else:
+            detail = f"waited {patience:g} s; {explain_silence(self.endpoints)}"
         raise ServiceUnreachable(self.role, self.endpoints, detail)
 
     def query(
@@ -113,14 +140,17 @@ class Session:
         except zenoh.ZError as error:
             raise ServiceUnreachable(self.role, self.endpoints, str(error)) from error
         bodies = []
-        silence = ServiceUnreachable(self.role, self.endpoints, "no reply")
+        words = "no reply"
         for reply in replies:
             try:
                 bodies.append(self.body_of(reply))
-            except ServiceUnreachable as error:
-                silence = error  # of one of them: another may have answered
+            except ServiceUnreachable:
+                # of one of them: another may have answered
+                words = f"no reply in {timeout:g} s"
         if not bodies:
-            raise silence
+            raise ServiceUnreachable(
+                self.role, self.endpoints, f"{words}; {explain_silence(self.endpoints)}"
+            )
         return bodies
 
     def query_one(
