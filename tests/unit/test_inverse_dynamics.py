@@ -296,7 +296,8 @@ def test_reported_active_rows_give_the_optimum(
         )
         x, multipliers = np.split(both[0] * scale, [nx])
         assert_same(problem, solved, x, 1e-7)
-        pushing = state[rows] != 2
+        # a joint that must brake at all it may has one value left
+        pushing = (state[rows] != 2) & ((qp.upper - qp.lower)[rows] > 1e-9)
         assert (np.sign(state[rows][pushing]) * multipliers[pushing] >= -1e-7).all()
 
 
