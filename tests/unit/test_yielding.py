@@ -118,7 +118,9 @@ def soften(
     return np.asarray(x * scale)[:nx]
 
 
-def test_what_yields_lacks_as_little_as_it_can(robot: Robot, controller: Controller) -> None:
+def test_what_yields_is_the_optimum_of_the_elastic_problem(
+    robot: Robot, controller: Controller
+) -> None:
     problem, rng = problem_of(robot.path), np.random.default_rng(0)
     seen: Counter[str] = Counter()
     place = controller.format.reply.slice("active")

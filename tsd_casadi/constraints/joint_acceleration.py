@@ -16,9 +16,10 @@ import casadi as ca
 
 from tsd_casadi.constraints.rows import BASE_AXES, INFINITY, AccelerationBounds, Rows
 
-# of the square of what an acceleration lacks [s^4/rad^2]. Tasks have about 10: what lacks
-# is the least there is but for a share of 1e-3. At 1e6 rounding was newtons at some states.
-YIELDING_WEIGHT = 1e4
+# of the square of what an acceleration lacks [s^4/rad^2]: as of a posture, a thousandth of
+# a task. A foot that slaps down makes ankles faster than they may be, which no torque
+# undoes: at 1e4 the whole body was thrown about for it.
+YIELDING_WEIGHT = 1e-2
 
 
 def joint_acceleration(

@@ -223,7 +223,7 @@ static void refine(DAQPWorkspace* work) {
   }
 }
 
-/* Where rows are soft multipliers are up to YIELDING_WEIGHT larger, and their rounding with them. */
+/* Soft rows add what they lack to the multipliers, and rounding with it. */
 #define REFINEMENTS 4
 
 static int solve_inequalities(struct tick* t) {
