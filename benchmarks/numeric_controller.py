@@ -10,6 +10,7 @@ import daqp
 import numpy as np
 import pinocchio
 
+from tsd_casadi.constraints.joint_position import LARGEST_MARGIN, MARGIN, RETURN_TIME
 from tsd_casadi.costs.null_space_posture import DAMPING
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics, QuadraticProgram
 from tsd_casadi.robot.robot_file_sections import FRAME_AXES, PointFile, SoleFile
@@ -189,15 +190,34 @@ class NumericController:
         H[range(nv, nx), range(nv, nx)] = W_lambda
         g[nv:] = -W_lambda * lambda_des
 
-        acceleration = np.concatenate((np.full(6, INFINITY), read("limits.acceleration")))
+        least, most = self._acceleration_bounds(q[7:], v[6:], read)
+        base = np.full(6, INFINITY)
         program = QuadraticProgram(
             H,
             g,
             np.vstack(rows),
-            np.concatenate([-acceleration, *lower]),
-            np.concatenate([acceleration, *upper]),
+            np.concatenate([-base, least, *lower]),
+            np.concatenate([base, most, *upper]),
         )
         return program, h[6:]
+
+    @staticmethod
+    def _acceleration_bounds(
+        q: Vector, v: Vector, read: Callable[[str], Vector]
+    ) -> tuple[Vector, Vector]:
+        T, limit = read("period"), read("limits.acceleration")
+        b = np.minimum(read("limits.braking"), limit)
+        low, high = read("limits.position_lower"), read("limits.position_upper")
+        margin = np.minimum(MARGIN * b * T**2, LARGEST_MARGIN * (high - low))
+        bounds = []
+        for way, speed in ((high - margin - q, v), (q - low - margin, -v)):
+            inside, beyond = np.maximum(way, 0.0), np.minimum(way, 0.0)
+            s = 2 * inside / (T + np.sqrt(T**2 + 2 * inside / b))
+            s += np.maximum(beyond / RETURN_TIME, np.minimum(speed, 0.0) - b * T)
+            fastest = np.maximum(read("limits.velocity"), speed - b * T)
+            bounds.append((np.minimum(s, fastest) - speed) / T)
+        upper = np.clip(bounds[0], -limit, limit)
+        return np.minimum(np.maximum(-bounds[1], -limit), upper), upper
 
     @staticmethod
     def _cone(

@@ -3,7 +3,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -339,6 +339,7 @@ class Scripted:
         class OfThisError:
             rank = error
             vetoes = ()
+            at_limits: ClassVar[dict[str, int]] = {}
 
         return OfThisError()
 

@@ -14,7 +14,7 @@ from tsd_casadi.constraints.friction import friction
 from tsd_casadi.constraints.joint_acceleration import joint_acceleration
 from tsd_casadi.constraints.joint_torque import joint_torque
 from tsd_casadi.constraints.normal_torque import normal_torque
-from tsd_casadi.constraints.rows import INFINITY, Rows
+from tsd_casadi.constraints.rows import INFINITY, AccelerationBounds, Rows
 from tsd_casadi.constraints.unilateral_force import unilateral_force
 
 NV = 8
@@ -202,13 +202,27 @@ def test_cones_do_not_touch_accelerations_or_other_contacts(cone: str) -> None:
 
 
 def test_joint_acceleration_bounds_the_joints_and_not_the_base() -> None:
-    rows = joint_acceleration(["hip", "knee"], ca.SX(ca.DM([3.0, 4.0])), NV + 12)
+    rows = joint_acceleration(["hip", "knee"], ca.SX(ca.DM([3.0, 4.0])), [], NV + 12)
     A, lower, upper = numeric(rows)
     np.testing.assert_array_equal(A, np.eye(NV, NV + 12))
     np.testing.assert_array_equal(upper, [INFINITY] * 6 + [3.0, 4.0])
     np.testing.assert_array_equal(lower, -upper)
     assert rows.names[6:] == ("joint_acceleration.hip", "joint_acceleration.knee")
     assert all(".base." in name for name in rows.names[:6])
+
+
+@given(
+    bounds=st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9)), max_size=3),
+)
+def test_bounds_of_an_acceleration_never_contradict_each_other(
+    bounds: list[tuple[float, float]],
+) -> None:
+    narrower = [AccelerationBounds(ca.SX(low), ca.SX(high)) for low, high in bounds]
+    _, lower, upper = numeric(joint_acceleration(["hip"], ca.SX(4.0), narrower, NV + 12))
+    assert -4 <= lower[-1] <= upper[-1] <= 4
+    inside = max([-4.0, *(low for low, _ in bounds)]), min([4.0, *(high for _, high in bounds)])
+    if inside[0] <= inside[1]:
+        assert (lower[-1], upper[-1]) == inside
 
 
 @given(

@@ -64,6 +64,8 @@ def test_switches_and_quaternions_of_the_request(tick_format: TickFormat) -> Non
         "torso.active",
         "left_foot.active",
         "right_foot.active",
+        "limits.velocity_active",
+        "limits.position_active",
     ]
     quaternions = [layout.locate(index) for index in layout.quaternions()]
     assert [(field.name, position) for field, position in quaternions] == [
@@ -86,8 +88,10 @@ def test_everything_a_user_may_change_is_in_the_request(tick_format: TickFormat)
         *(f"{foot}_foot.{part}" for foot in ("left", "right") for part in per_contact),
         *(f"posture.{part}" for part in ("q_ref", "P", "D", "W")),
         "regularization.acceleration",
-        "limits.torque",
-        "limits.acceleration",
+        *(f"limits.{part}" for part in ("torque", "acceleration", "velocity", "braking")),
+        *(f"limits.position_{end}" for end in ("lower", "upper")),
+        *(f"limits.{quantity}_active" for quantity in ("velocity", "position")),
+        "period",
         "safe_torque.D",
     }
 

@@ -184,7 +184,10 @@ def one_foot_off(controller: Controller) -> list[Solved]:
 def solutions(
     nominal: list[Solved], stressed: list[Solved], one_foot_off: list[Solved]
 ) -> list[Solved]:
-    return [*nominal, *stressed, *one_foot_off]
+    # where a joint's limits yield it is another problem: test_yielding.py
+    found = [solved for solved in (*nominal, *stressed, *one_foot_off) if not solved.tick.yielded]
+    assert len(found) > 2 * EACH
+    return found
 
 
 def test_states_are_solved_and_half_of_them_are_stressed(
@@ -264,6 +267,8 @@ def test_second_solver_agrees_on_what_is_infeasible(controller: Controller) -> N
         tighten(problem_of(controller), command, rng, share=WEAK[controller.format.robot])
         solved = solve(controller, command)
         statuses[solved.tick.status] += 1
+        if solved.tick.yielded:
+            continue
         if solved.tick.status == Status.OK:
             second_solver(problem_of(controller), solved.qp)
         else:
@@ -291,8 +296,9 @@ def test_reported_active_rows_give_the_optimum(
         )
         x, multipliers = np.split(both[0] * scale, [nx])
         assert_same(problem, solved, x, 1e-7)
-        pushing = np.abs(state[rows]) == 1
-        assert (state[rows][pushing] * multipliers[pushing] >= -1e-7).all()
+        # a joint that must brake at all it may has one value left
+        pushing = (state[rows] != 2) & ((qp.upper - qp.lower)[rows] > 1e-9)
+        assert (np.sign(state[rows][pushing]) * multipliers[pushing] >= -1e-7).all()
 
 
 def test_solutions_keep_every_row(problem: InverseDynamics, solutions: list[Solved]) -> None:
@@ -413,6 +419,26 @@ class Numeric:
         whole[nv:, nv:] = np.diag(W_lambda)
         return whole, np.concatenate((g, -W_lambda * wanted))
 
+    def acceleration_bounds(self, i: int) -> tuple[float, float]:
+        def read(name: str) -> float:
+            return float(self.command[f"limits.{name}"][i])
+
+        T, limit = float(self.command["period"][0]), read("acceleration")
+        q, v = float(self.q[7 + i]), float(self.v[6 + i])
+        b = min(read("braking"), limit)
+        low, high = read("position_lower"), read("position_upper")
+        margin = min(0.75 * b * T**2, 0.1 * (high - low))
+        most = []
+        for way, speed in ((high - margin - q, v), (q - low - margin, -v)):
+            # T s + s^2 / 2 b = d, or back in 0.1 s
+            s = -b * T + np.sqrt((b * T) ** 2 + 2 * b * max(way, 0.0))
+            if way < 0:
+                s = max(way / 0.1, min(speed, 0.0) - b * T)
+            fastest = max(read("velocity"), speed - b * T)
+            most.append((min(s, fastest) - speed) / T)
+        upper = max(min(most[0], limit), -limit)
+        return min(max(-most[1], -limit), upper), upper
+
     def rows(self) -> dict[str, tuple[np.ndarray, float, float]]:
         robot, command, nv = self.robot, self.command, self.model.nv
         nx = nv + len(self.contact_jacobian)
@@ -427,8 +453,7 @@ class Numeric:
         for i, axis in enumerate(FRAME_AXES):
             add(f"joint_acceleration.base.{axis}", {i: 1.0}, -1e30, 1e30)
         for i, joint in enumerate(robot.joint_names):
-            limit = command["limits.acceleration"][i]
-            add(f"joint_acceleration.{joint}", {6 + i: 1.0}, -limit, limit)
+            add(f"joint_acceleration.{joint}", {6 + i: 1.0}, *self.acceleration_bounds(i))
         dynamics = np.hstack((self.M, -self.contact_jacobian.T))
         for i, axis in enumerate(FRAME_AXES):
             rows[f"unactuated_dynamics.{axis}"] = (dynamics[i], -self.h[i], -self.h[i])

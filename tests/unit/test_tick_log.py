@@ -21,7 +21,7 @@ def add_ticks(log: TickLog, level: float, lap: int, count: int = TICKS) -> None:
         tick = SimpleNamespace(
             error=level * np.array([1.0, 10.0, 100.0]),
             feedback=-level * np.array([1.0, 10.0, 100.0]),
-            reply=np.array([1.0, 2.0, 3.0, 4.0]),
+            reply=np.array([1.0, 2.0, 3.0, 4.0, 0, 0, 0, 0, 0.0, -4.0]),
             compute_time=5.0,
         )
         moment: Any = SimpleNamespace(
@@ -44,7 +44,7 @@ def log_of(*levels: float) -> TickLog:
     """Ticks of a hold, then whole laps."""
     log = TickLog()
     reply = SimpleNamespace(size=4, slice=lambda name: slice(2, 4))
-    controller = SimpleNamespace(format=SimpleNamespace(reply=reply))
+    controller = SimpleNamespace(format=SimpleNamespace(reply=reply, joints=("hip", "knee")))
     setting: Any = SimpleNamespace(index=INDEX, controller=controller)
     log.start(setting)
     add_ticks(log, 9.0, -1, count=HOLD)
@@ -62,6 +62,11 @@ def test_columns_are_those_of_the_axes_in_their_order() -> None:
     np.testing.assert_array_equal(rows["feedback"], -rows["error"])
     np.testing.assert_array_equal(rows["reference"], np.tile([0.5, 0.0], (TICKS, 1)))
     np.testing.assert_array_equal(rows["wrenches"], np.tile([3.0, 4.0], (TICKS, 1)))
+
+
+def test_what_bounds_the_joints_is_kept() -> None:
+    rows = log_of(0.5).columns(HOLD, ["joint_limits"])
+    np.testing.assert_array_equal(rows["joint_limits"], np.tile([0, -4], (TICKS, 1)))
 
 
 @pytest.mark.parametrize("first", [0, 1, 2])

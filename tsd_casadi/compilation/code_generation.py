@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import casadi as ca
 
+from tsd_casadi.constraints.joint_acceleration import YIELDING_WEIGHT
 from tsd_casadi.costs.null_space_posture import DAMPING
 from tsd_casadi.formulation.contact import WRENCH
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
@@ -21,7 +22,7 @@ LIMIT_TOLERANCE = 1e-6
 # Some 30 times what stressed states need.
 ITERATION_LIMIT = 400
 # The hand-written part, in native/.
-NATIVE = ("dense.h", "tick.h", "posture.c", "elimination.c", "tick.c")
+NATIVE = ("dense.h", "tick.h", "posture.c", "elimination.c", "joint_limits.c", "tick.c")
 
 
 def generate_sources(problem: InverseDynamics) -> dict[str, str]:
@@ -59,6 +60,8 @@ def _header(problem: InverseDynamics) -> str:
         "PRIMAL_TOLERANCE": PRIMAL_TOLERANCE,
         "LIMIT_TOLERANCE": LIMIT_TOLERANCE,
         "ITERATION_LIMIT": ITERATION_LIMIT,
+        "YIELDING_WEIGHT": YIELDING_WEIGHT,
+        "REQUEST_ACCELERATION": request.slice("limits.acceleration").start,
         "QUATERNION_TOLERANCE": QUATERNION_TOLERANCE,
     }
     sizes |= {f"REPLY_{part.name.upper()}": reply.slice(part.name).start for part in reply}

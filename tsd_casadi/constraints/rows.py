@@ -32,6 +32,31 @@ class Rows:
     equality: bool = False
 
 
+@dataclass(frozen=True)
+class AccelerationBounds:
+    """What something else than an acceleration limit makes of one.
+
+    Attributes:
+        lower: (n,) [rad/s^2].
+        upper: (n,) [rad/s^2].
+    """
+
+    lower: ca.SX
+    upper: ca.SX
+
+
+def switched(active: ca.SX, bound: ca.SX, upper: bool) -> ca.SX:
+    """Make bounds that count only where they are switched on.
+
+    Args:
+        active: 1, or 0 for infinite bounds.
+        bound: (n,).
+        upper: Which way infinity is.
+    """
+    nothing = INFINITY if upper else -INFINITY
+    return active * bound + (1 - active) * nothing
+
+
 def stack_rows(rows: Sequence[Rows]) -> Rows:
     """Put blocks of rows one below the other, in the order given.
 

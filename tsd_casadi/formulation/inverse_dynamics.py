@@ -25,8 +25,10 @@ import numpy as np
 
 from tsd_casadi.constraints.contact_acceleration import contact_acceleration
 from tsd_casadi.constraints.joint_acceleration import joint_acceleration
+from tsd_casadi.constraints.joint_position import position_bounds
 from tsd_casadi.constraints.joint_torque import joint_torque
-from tsd_casadi.constraints.rows import Rows, stack_rows
+from tsd_casadi.constraints.joint_velocity import velocity_bounds
+from tsd_casadi.constraints.rows import AccelerationBounds, Rows, stack_rows
 from tsd_casadi.costs.force_regularization import force_cost
 from tsd_casadi.costs.null_space_posture import (
     null_space_projector,
@@ -106,9 +108,10 @@ class InverseDynamics:
         n_equalities: Number of equality rows, right after the bounds.
         terms: Function request -> everything but the posture's share of the
             cost: H_qdd, H_lambda (a diagonal), g, A, lower, upper, h_a, error,
-            feedback, and J, W_q, qdd_des of the posture.
-        qp: Function request -> H, g, A, lower, upper, h_a, error, feedback: the
-            definition of the QP.
+            feedback, J, W_q, qdd_des of the posture, and what velocity and
+            position ask of the joints' accelerations.
+        qp: Function request -> H, g, A, lower, upper, h_a, error, feedback and
+            the bounds by velocity and position: the definition of the QP.
         safe_torque: Function request -> tau.
     """
 
@@ -161,7 +164,10 @@ class InverseDynamics:
 
         A_tau, h_a = actuated_dynamics(M, h, contacts.J)
         joints = self.robot.joint_names
-        bounds = joint_acceleration(joints, self._read("limits.acceleration"), self.nx)
+        limit = self._read("limits.acceleration")
+        braking = ca.fmin(self._read("limits.braking"), limit)
+        velocity, position = self._velocity_bounds(braking), self._position_bounds(braking)
+        bounds = joint_acceleration(joints, limit, [velocity, position], self.nx)
         equalities = stack_rows([unactuated_dynamics(M, h, contacts.J), *contacts.equalities])
         torques = joint_torque(joints, A_tau, h_a, self._read("limits.torque"))
         rows = stack_rows([equalities, *contacts.inequalities, torques])
@@ -192,6 +198,10 @@ class InverseDynamics:
                 "J": ca.vertcat(*tasks.J_active, contacts.J_active),
                 "W_q": self._read("posture.W"),
                 "qdd_des": qdd_des,
+                "velocity_lower": velocity.lower,
+                "velocity_upper": velocity.upper,
+                "position_lower": position.lower,
+                "position_upper": position.upper,
             },
         )
         safe = safe_torque(
@@ -202,6 +212,26 @@ class InverseDynamics:
             self._read("limits.torque"),
         )
         return terms, self._function("safe_torque", {"tau": safe})
+
+    def _velocity_bounds(self, braking: ca.SX) -> AccelerationBounds:
+        return velocity_bounds(
+            self._dynamics.v[6:],
+            self._read("limits.velocity"),
+            braking,
+            self._read("period"),
+            self._read("limits.velocity_active"),
+        )
+
+    def _position_bounds(self, braking: ca.SX) -> AccelerationBounds:
+        return position_bounds(
+            self._dynamics.q[7:],
+            self._dynamics.v[6:],
+            self._read("limits.position_lower"),
+            self._read("limits.position_upper"),
+            braking,
+            self._read("period"),
+            self._read("limits.position_active"),
+        )
 
     def _contact_terms(self) -> _ContactTerms:
         J_all, J_active, equalities, inequalities = [], [], [], []

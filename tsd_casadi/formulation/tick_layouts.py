@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tsd_casadi.formulation.contact import WRENCH, Contact
+from tsd_casadi.formulation.limit_fields import limit_fields
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.tasks.task import Task
 from tsd_casadi.tick.format import TickFormat
@@ -58,7 +59,8 @@ def request_layout(robot: Robot, tasks: Sequence[Task], contacts: Sequence[Conta
     )
     task_fields = [field for task in tasks for field in task.fields(robot)]
     contact_fields = [field for contact in contacts for field in contact.fields(robot)]
-    return Layout((*state, *task_fields, *contact_fields, *_joint_fields(robot)))
+    fields = (*state, *task_fields, *contact_fields, *_joint_fields(robot), *limit_fields(robot))
+    return Layout(fields)
 
 
 def _joint_fields(robot: Robot) -> tuple[Field, ...]:
@@ -83,22 +85,6 @@ def _joint_fields(robot: Robot) -> tuple[Field, ...]:
             "weight of all accelerations about zero",
             lower=0.0,
             default=(robot.description.regularization.acceleration,),
-        ),
-        Field(
-            "limits.torque",
-            n,
-            "N m",
-            "bound of |tau|",
-            lower=0.0,
-            default=tuple(robot.torque_limit),
-        ),
-        Field(
-            "limits.acceleration",
-            n,
-            "rad/s^2",
-            "bound of |qdd| of the joints",
-            lower=0.0,
-            default=tuple(robot.acceleration_limit),
         ),
         Field(
             "safe_torque.D",
@@ -147,7 +133,9 @@ def reply_layout(
                 "active",
                 len(row_names),
                 "1",
-                "per row: -1 at its lower bound, 1 at its upper, 0 inside, 2 equality",
+                "per row: 0 inside, 2 equality, otherwise negative at its lower bound and "
+                "positive at its upper: 1 its own; of a joint's acceleration also 4 that by its "
+                "position, 5 by its velocity, 3 where one of these two yielded",
             ),
         )
     )

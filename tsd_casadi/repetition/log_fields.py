@@ -53,6 +53,13 @@ LOG_FIELDS: dict[str, LogField] = {
         "(6 c,)",
         "float32",
     ),
+    "joint_limits": LogField(
+        "",
+        "what bounds each joint, negative from below: 0 nothing, 1 acceleration, 4 position, "
+        "5 velocity; 3 one of the last two yielded",
+        "(n,)",
+        "int8",
+    ),
     "status": LogField("", "how the tick ended, 0 is ok, -1 no answer; see wire.md", type="int64"),
     "compute_us": LogField("us", "time inside the compiled function"),
     "tick_us": LogField("us", "round trip of the tick as its client sees it"),

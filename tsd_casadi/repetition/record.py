@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from tsd_casadi.exceptions import SimulationError
 from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.context import Context
@@ -60,9 +62,14 @@ def record_of(
         applied=run.feedforward.weights,
         laps=run.laps,
         errors=run.errors,
-        circumstances=Circumstances(run.gains, run.settings, __version__),
+        circumstances=Circumstances(run.gains, _setting(run), __version__),
         declaration=run.motion.declaration(),
     )
+
+
+def _setting(run: Run) -> dict[str, Any]:
+    """Tell of the entry what it should say: joints that met their stops, too."""
+    return {**run.settings, "at_limits": run.at_limits} if run.at_limits else run.settings
 
 
 def context_of(robot: Robot, correction: str = "") -> Context:

@@ -31,6 +31,7 @@ from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.command import Command
 from tsd_casadi.tick.format import Status
 from tsd_casadi.tick.missed import Cause, Missed
+from tsd_casadi.tick.row_state import AT_LIMIT
 from tsd_casadi.tick.tick import Tick
 
 HOLD = 1.0  # s
@@ -89,6 +90,7 @@ class Repetition:
             else feedforward.over(learned)
         )
         self._command = controller.command()
+        self._command["period"] = plant.period
         hold(self._command, robot, motion.middle(robot))
         for task in dict.fromkeys(axis.rpartition(".")[0] for axis in learned):
             # an unknown task is told by References, with those that there are
@@ -206,7 +208,13 @@ class Repetition:
             aborted=aborted,
             model=self._robot.fingerprint,
             infeasible_request=self._infeasible_request,
+            at_limits=self._at_limits(log["joint_limits"]),
         )
+
+    def _at_limits(self, joint_limits: Vector) -> dict[str, int]:
+        counts = np.isin(np.abs(joint_limits), AT_LIMIT).sum(axis=0)
+        joints = zip(self._controller.format.joints, counts.tolist(), strict=True)
+        return {joint: count for joint, count in joints if count}
 
     def _along(self, learned: Vector) -> Vector:
         """Values of the learned axes as values of all axes, zero along the others."""

@@ -34,6 +34,7 @@ class Run:
         fell: Whether the robot fell, which ends the run.
         vetoes: Why the feedforward was dropped.
         failures: Ticks answered with a safe torque, by status name.
+        at_limits: Ticks at or past a limit of position or velocity, by joint.
         missed: Periods without an answer, stepped with the fallback, by cause.
         aborted: What ended it early; empty for nothing. A fall is told by ``fell``.
         model: Fingerprint of the robot's files; empty where nobody knows.
@@ -58,6 +59,7 @@ class Run:
     aborted: str = ""
     model: str = ""
     infeasible_request: Vector | None = None
+    at_limits: dict[str, int] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         """Say what was done, with what, and how well."""
@@ -153,6 +155,7 @@ class Run:
             "laps_measured": len(self.laps),
             "fell": self.fell,
             "failures": self.failures,
+            "at_limits": self.at_limits,
             "missed": self.missed,
             "aborted": self.aborted or None,
             "vetoes": self.vetoes,

@@ -30,6 +30,9 @@ class TickLog:
         """Note which axes there are."""
         self._index = setting.index
         reply = setting.controller.format.reply
+        # the rows of the joints follow those of the base's six accelerations
+        first = reply.slice("active").start + 6
+        self._joints = slice(first, first + len(setting.controller.format.joints))
         self._wrenches = reply.slice("wrenches")
         self._unknown = np.full(reply.size, np.nan)
         self._errors = reply.slice("error")
@@ -40,14 +43,18 @@ class TickLog:
         assert tick is not None
         error, feedback = tick.error, tick.feedback
         wrenches, status = tick.reply[self._wrenches], int(tick.reply[0])
-        self._note(moment, error, feedback, wrenches, status, tick.compute_time, 0)
+        joints = tick.reply[self._joints]
+        self._note(moment, error, feedback, wrenches, joints, status, tick.compute_time, 0)
 
     def missed(self, moment: Moment) -> None:
         """Note a period without an answer."""
         assert moment.missed is not None
         nothing, cause = self._unknown, int(moment.missed.cause)
         error = nothing[self._errors]
-        self._note(moment, error, error, nothing[self._wrenches], NO_STATUS, math.nan, cause)
+        joints = np.zeros(self._joints.stop - self._joints.start)
+        self._note(
+            moment, error, error, nothing[self._wrenches], joints, NO_STATUS, math.nan, cause
+        )
 
     def _note(
         self,
@@ -55,6 +62,7 @@ class TickLog:
         error: Vector,
         feedback: Vector,
         wrenches: Vector,
+        joints: Vector,
         status: int,
         compute_time: float,
         cause: int,
@@ -75,6 +83,7 @@ class TickLog:
                 state.v,
                 moment.tau,
                 wrenches,
+                joints,
                 status,
                 compute_time,
                 moment.tick_time,

@@ -23,6 +23,10 @@ from tsd_casadi.robot.rigid_body_model import RigidBodyModel
 from tsd_casadi.robot.robot_file import RobotFile, read_robot_file
 from tsd_casadi.state import State, Vector
 
+# of the acceleration limit, which is meant for the mere limb: under the body's weight
+# torques brake legs at less
+BRAKING = 0.1
+
 
 class Robot:
     """A robot as the controller knows it.
@@ -38,6 +42,10 @@ class Robot:
         joint_names: Actuated joints in the order of q, v and tau.
         torque_limit: Bound of |tau|, shape (n,) [N m].
         acceleration_limit: Bound of |joint acceleration|, shape (n,) [rad/s^2].
+        braking: Acceleration that a joint counts on to stop, shape (n,) [rad/s^2].
+        velocity_limit: Bound of |joint velocity|, shape (n,) [rad/s], infinite where
+            the description gives none.
+        position_limits: Least and largest joint angles, shape (n,) each [rad].
         fingerprint: Hash of the robot file and the description of links and joints.
     """
 
@@ -72,6 +80,12 @@ class Robot:
         )
         self.acceleration_limit: Vector = np.array(
             [accelerations.get(name, described.limits.acceleration) for name in self.joint_names]
+        )
+        self.braking: Vector = BRAKING * self.acceleration_limit
+        self.velocity_limit: Vector = _velocity_limit(self.model)
+        self.position_limits: tuple[Vector, Vector] = (
+            np.array(self.model.lowerPositionLimit[7:]),
+            np.array(self.model.upperPositionLimit[7:]),
         )
         check_robot(self)
 
@@ -250,6 +264,12 @@ class Robot:
         placement = data.oMf[self.model.getFrameId(frame)]
         quaternion = pinocchio.Quaternion(placement.rotation).coeffs()
         return np.array(placement.translation), np.array(quaternion)
+
+
+def _velocity_limit(model: Any) -> Vector:
+    """Read velocity limits; descriptions write 0 where they know none."""
+    limit = np.array(model.upperVelocityLimit[6:])
+    return np.where(limit > 0, limit, np.inf)
 
 
 def load_robot(robot: str | Path) -> Robot:

@@ -174,7 +174,7 @@ def _check_ranges(path: Path, robot_file: RobotFile) -> None:
                 "at least one axis, none twice",
             )
     names = [part.name for part in (*robot_file.contacts, *robot_file.tasks)]
-    reserved = ("posture", "limits", "regularization", "safe_torque", "q", "v")
+    reserved = ("posture", "limits", "regularization", "safe_torque", "period", "q", "v")
     for name in names:
         if names.count(name) > 1 or name in reserved:
             raise RobotFileError(

@@ -8,6 +8,7 @@ import numpy as np
 
 from tsd_casadi.state import Vector
 from tsd_casadi.tick.format import Status, TickFormat
+from tsd_casadi.tick.row_state import RowState, name_row
 
 
 @dataclass(frozen=True)
@@ -74,9 +75,20 @@ class Tick:
 
     @property
     def active(self) -> list[str]:
-        """Names of the inequality rows at one of their bounds."""
-        state = self._field("active")
-        return [self.format.row_names[i] for i in np.flatnonzero(np.abs(state) == 1.0)]
+        """Names of the inequality rows at one of their bounds, or beyond because they yielded.
+
+        A joint's row that is there by its position or velocity has that in its name:
+        'joint_position.knee'.
+        """
+        state = np.abs(self._field("active")).astype(int)
+        places = np.flatnonzero((state != RowState.INSIDE) & (state != RowState.EQUALITY))
+        return [name_row(self.format.row_names[i], RowState(state[i])) for i in places]
+
+    @property
+    def yielded(self) -> list[str]:
+        """Names of the joints' rows whose limits of position or velocity yielded."""
+        state = np.abs(self._field("active"))
+        return [self.format.row_names[i] for i in np.flatnonzero(state == RowState.YIELDED)]
 
     @property
     def compute_time(self) -> float:

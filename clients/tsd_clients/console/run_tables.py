@@ -120,5 +120,7 @@ def _remarks(summary: Mapping[str, Any]) -> str:
     elif not summary["steady"]:
         remarks.append("never steady")
     remarks += [f"{count} ticks {status}" for status, count in summary["failures"].items()]
+    at_limits = summary.get("at_limits", {})
+    remarks += [f"{escape(joint)} at its limit in {n} ticks" for joint, n in at_limits.items()]
     remarks += [f"{count} periods missed, {why}" for why, count in summary["missed"].items()]
     return f" [red]({', '.join(remarks)})[/red]" if remarks else ""

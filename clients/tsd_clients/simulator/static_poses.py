@@ -128,6 +128,7 @@ class _Standing:
         self._period = simulator.period
         self._inclinometer, self._rng = inclinometer, np.random.default_rng((seed, 5))
         self._command = controller.command()
+        self._command["period"] = self._period
         self._last = simulator.robot.home
         self._ticks = 0
 

@@ -26,6 +26,9 @@ enum status {
   STATUS_NOT_FINITE = 4
 };
 
+/* beside DAQP's: solved, but a limit does not hold */
+#define PASSED (-100)
+
 struct tick {
   double lower_accepted[N_REQUEST], upper_accepted[N_REQUEST];
   /* outputs of terms, in its order; matrices by columns */
@@ -33,6 +36,7 @@ struct tick {
   double lower[N_ROWS], upper[N_ROWS];
   double h_a[N_TAU], error[N_ERROR], feedback[N_ERROR];
   double J[N_J * N_V], W_q[N_V], qdd_des[N_V];
+  struct joint_limits limits;
   const double* arguments[SZ_ARG];
   double* results[SZ_RES];
   casadi_int iw[SZ_IW];
@@ -41,6 +45,7 @@ struct tick {
   struct posture_work posture;
   struct elimination reduced;
   double x[N_X], rows[N_GENERAL];
+  double least[N_TAU], most[N_TAU]; /* bounds of the joints that did not yield */
   DAQPProblem problem;
   DAQPSettings settings;
   DAQPWorkspace work;
@@ -78,7 +83,7 @@ struct tick* tick_create(const double* lower_accepted, const double* upper_accep
 
   DAQPWorkspace* work = &t->work;
   work->settings = &t->settings;
-  allocate_daqp_workspace(work, N_Y, 0);
+  allocate_daqp_workspace(work, N_Y, N_TAU); /* joints may be soft */
   work->qp = &t->problem;
   work->n = N_Y;
   work->m = N_REDUCED;
@@ -129,7 +134,9 @@ static int all_finite(const double* x, int n) {
 /* Returns 0, or -1 if the data are not finite. */
 static int evaluate_data(struct tick* t, const double* request) {
   double* results[] = {t->H_qdd, t->H_lambda, t->g,        t->A, t->lower, t->upper,
-                       t->h_a,   t->error,    t->feedback, t->J, t->W_q,   t->qdd_des};
+                       t->h_a,   t->error,    t->feedback, t->J, t->W_q,   t->qdd_des,
+                       t->limits.velocity_lower,  t->limits.velocity_upper,
+                       t->limits.position_lower,  t->limits.position_upper};
   t->arguments[0] = request;
   memcpy(t->results, results, sizeof results);
   terms(t->arguments, t->results, t->iw, t->w, 0);
@@ -147,8 +154,8 @@ static int is_between(double value, double lower, double upper, double tolerance
 }
 
 static int is_inside(const struct tick* t, double tolerance) {
-  for (int i = N_V - N_TAU; i < N_V; i++)
-    if (!is_between(t->x[i], t->lower[i], t->upper[i], tolerance)) return 0;
+  for (int i = 0; i < N_TAU; i++)
+    if (!is_between(t->x[N_V - N_TAU + i], t->least[i], t->most[i], tolerance)) return 0;
   for (int i = N_EQUALITIES; i < N_GENERAL; i++)
     if (!is_between(t->rows[i], t->lower[N_V + i], t->upper[N_V + i], tolerance)) return 0;
   return 1;
@@ -175,12 +182,19 @@ static enum status status_of(int flag) {
   }
 }
 
-/* The reduced problem for DAQP. */
+static int is_narrower(const struct tick* t, int i) {
+  return t->lower[N_V - N_TAU + i] > t->least[i] || t->upper[N_V - N_TAU + i] < t->most[i];
+}
+
+/* The reduced problem for DAQP. What asks more of a joint than least and most is soft. */
 static int prepare_inequalities(struct tick* t) {
-  reduce_rows(t->A, t->lower, t->upper, &t->reduced);
+  /* the cost is scale^2 |u|^2 / 2 */
+  t->settings.rho_soft = t->reduced.scale * t->reduced.scale / YIELDING_WEIGHT;
   /* DAQP leaves the scaling of zero rows unwritten */
   for (int i = 0; i < N_REDUCED; i++) t->work.scaling[i] = 1.0;
   const int flag = update_ldp(UPDATE_M | UPDATE_d | UPDATE_sense, &t->work);
+  for (int i = 0; i < N_TAU; i++)
+    if (is_narrower(t, i)) t->work.sense[i] |= SOFT;
   /* rows whose bounds coincide were marked active by the set-up */
   return flag < 0 ? flag : activate_constraints(&t->work);
 }
@@ -191,30 +205,89 @@ static int prepare_inequalities(struct tick* t) {
  * rounding that gathers can exceed LIMIT_TOLERANCE. */
 static void refine(DAQPWorkspace* work) {
   const int n = work->n_active;
-  double r[N_Y + 1];
+  double r[N_Y + N_TAU + 1];
   for (int i = 0; i < n; i++) {
     const int row = work->WS[i];
     const double* m = work->M + row * N_Y;
     r[i] = (work->sense[row] & LOWER) ? work->dlower[row] : work->dupper[row];
     for (int j = 0; j < N_Y; j++) r[i] -= m[j] * work->u[j];
+    if (work->sense[row] & SOFT) /* what it lacks, in DAQP's scale of the row */
+      r[i] += work->settings->rho_soft * work->scaling[row] * work->scaling[row] * work->lam_star[i];
     for (int j = 0; j < i; j++) r[i] -= work->L[ARSUM(i) + j] * r[j];
   }
   for (int i = n - 1; i >= 0; i--) {
     r[i] /= work->D[i];
     for (int k = i + 1; k < n; k++) r[i] -= work->L[ARSUM(k) + i] * r[k];
     add_multiple(N_Y, r[i], work->M + work->WS[i] * N_Y, work->u);
+    work->lam_star[i] -= r[i]; /* u = -M^T lam_star */
   }
 }
+
+/* Soft rows add what they lack to the multipliers, and rounding with it. */
+#define REFINEMENTS 4
 
 static int solve_inequalities(struct tick* t) {
   const int flag = daqp_ldp(&t->work);
   if (flag > 0) {
-    refine(&t->work);
+    for (int i = 0; i < (flag == EXIT_OPTIMAL ? 1 : REFINEMENTS); i++) refine(&t->work);
     expand_metric(&t->reduced, t->work.u, t->x);
     evaluate_rows(t);
     /* DAQP judges rows in the metric of the cost; what counts is newtons */
-    if (!is_inside(t, LIMIT_TOLERANCE)) return EXIT_ITERLIMIT;
+    if (!is_inside(t, LIMIT_TOLERANCE)) return PASSED;
   }
+  return flag;
+}
+
+static int solve_from_the_start(struct tick* t) {
+  return prepare_inequalities(t) < 0 ? EXIT_INFEASIBLE : solve_inequalities(t);
+}
+
+/* A joint keeps only what has not yielded. */
+static void let_go(struct tick* t, int i) {
+  const int row = N_V - N_TAU + i;
+  t->reduced.lower[i] += t->least[i] - t->lower[row];
+  t->reduced.upper[i] += t->most[i] - t->upper[row];
+  t->lower[row] = t->least[i];
+  t->upper[row] = t->most[i];
+}
+
+/* Let those go that pass a bound that has not yielded. Returns how many. */
+static int let_passing_go(struct tick* t) {
+  int passing = 0;
+  for (int i = 0; i < N_TAU; i++) {
+    if (!is_narrower(t, i) ||
+        is_between(t->x[N_V - N_TAU + i], t->least[i], t->most[i], LIMIT_TOLERANCE))
+      continue;
+    let_go(t, i);
+    passing++;
+  }
+  return passing;
+}
+
+static int count_narrower(const struct tick* t) {
+  int count = 0;
+  for (int i = 0; i < N_TAU; i++) count += is_narrower(t, i);
+  return count;
+}
+
+/* Solve; where that fails let the bounds by velocity yield, then those by position: see
+ * joint_acceleration.py. */
+static int solve_in_order(struct tick* t, const double* request) {
+  int flag = solve_from_the_start(t), iterations = t->work.iterations;
+  for (enum yielding y = YIELDING_VELOCITY; flag < 0 && y <= YIELDING_POSITION; y++) {
+    bound_accelerations(&t->limits, request + REQUEST_ACCELERATION, y, t->least, t->most);
+    if (count_narrower(t) == 0) continue; /* the same problem again */
+    do {
+      flag = solve_from_the_start(t);
+      iterations += t->work.iterations;
+    } while (flag == PASSED && let_passing_go(t));
+  }
+  if (flag < 0 && count_narrower(t)) {
+    for (int i = 0; i < N_TAU; i++) let_go(t, i);
+    flag = solve_from_the_start(t);
+    iterations += t->work.iterations;
+  }
+  t->work.iterations = iterations;
   return flag;
 }
 
@@ -231,6 +304,11 @@ static void fill_solution(const struct tick* t, int n_active, double* reply) {
     const int row = t->work.WS[i];
     const int named = row < N_TAU ? N_V - N_TAU + row : N_V + N_EQUALITIES + row - N_TAU;
     active[named] = (t->work.sense[row] & LOWER) ? -1.0 : 1.0;
+  }
+  for (int i = 0; i < N_TAU; i++) {
+    const int row = N_V - N_TAU + i;
+    active[row] =
+        state_of_joint(&t->limits, i, t->x[row], t->lower[row], t->upper[row], active[row]);
   }
 }
 
@@ -265,13 +343,18 @@ int tick_run(struct tick* t, const double* request, double* reply) {
       flag = EXIT_NONCONVEX;
       if (solve_unconstrained(&t->reduced, t->x) == 0) {
         evaluate_rows(t);
+        memcpy(t->least, t->lower + N_V - N_TAU, sizeof t->least);
+        memcpy(t->most, t->upper + N_V - N_TAU, sizeof t->most);
         flag = EXIT_OPTIMAL;
-        if (!is_inside(t, 0.0)) flag = prepare_inequalities(t) < 0 ? EXIT_INFEASIBLE : 0;
+        if (!is_inside(t, 0.0)) {
+          reduce_rows(t->A, t->lower, t->upper, &t->reduced);
+          flag = 0;
+        }
       }
     }
     factorized = microseconds();
     if (flag == 0) {
-      flag = solve_inequalities(t);
+      flag = solve_in_order(t, request);
       reply[REPLY_ITERATIONS] = (double)t->work.iterations;
       n_active = t->work.n_active;
     }

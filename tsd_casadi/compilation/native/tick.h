@@ -24,6 +24,24 @@ struct elimination {
   double A[N_REDUCED * N_Y], lower[N_REDUCED], upper[N_REDUCED];
 };
 
+/* What velocity and position ask of the joints' accelerations: infinite where they are
+ * switched off, and beyond the acceleration limit where they ask for more than there is. */
+struct joint_limits {
+  double velocity_lower[N_TAU], velocity_upper[N_TAU];
+  double position_lower[N_TAU], position_upper[N_TAU];
+};
+
+/* Who has yielded to the other limits, in this order. */
+enum yielding { YIELDING_NOTHING, YIELDING_VELOCITY, YIELDING_POSITION };
+
+/* Bounds of the joints' accelerations by what has not yielded; as joint_acceleration.py. */
+void bound_accelerations(const struct joint_limits* s, const double* limit, enum yielding yielding,
+                         double* lower, double* upper);
+
+/* What the reply says of a joint's row, which is at a bound (-1, 1) or not (0). */
+double state_of_joint(const struct joint_limits* s, int i, double qdd, double lower, double upper,
+                      double at);
+
 /* H_qdd (N_V, N_V) and g_qdd gain the posture; J (N_J, N_V) by columns.
  * Returns 0, or -1 if the numbers are not finite. */
 int add_posture(const double* J, const double* W_q, const double* qdd_des,

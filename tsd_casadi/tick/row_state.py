@@ -1,0 +1,33 @@
+"""What a reply's ``active`` says of a row of the QP."""
+
+from __future__ import annotations
+
+import enum
+
+
+class RowState(enum.IntEnum):
+    """Where a row is; in a reply negative at a lower bound.
+
+    AT_BOUND: at its own bound. YIELDED: a joint's acceleration, whose limits of
+    velocity or position do not hold at the next tick because torque, contact or
+    acceleration limits do not allow it. AT_POSITION, AT_VELOCITY: a joint's
+    acceleration at the bound that its position or velocity makes.
+    """
+
+    INSIDE = 0
+    AT_BOUND = 1
+    EQUALITY = 2
+    YIELDED = 3
+    AT_POSITION = 4
+    AT_VELOCITY = 5
+
+
+# a joint on its stop, or on its way to it or past it
+AT_LIMIT = (RowState.YIELDED, RowState.AT_POSITION, RowState.AT_VELOCITY)
+JOINT_ROW = "joint_acceleration"
+_NAMED = {RowState.AT_POSITION: "joint_position", RowState.AT_VELOCITY: "joint_velocity"}
+
+
+def name_row(row: str, state: RowState) -> str:
+    """Name a row by what makes its bound: 'joint_position.knee'."""
+    return row.replace(JOINT_ROW, _NAMED[state], 1) if state in _NAMED else row
