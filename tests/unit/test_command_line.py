@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -430,3 +430,22 @@ def test_an_interrupt_while_modules_load_ends_the_process_without_a_word(module:
 def test_an_interrupt_while_the_interpreter_ends_says_nothing() -> None:
     done = interrupted(INTERRUPT_AT_EXIT)
     assert (done.returncode, done.stderr) == (-signal.SIGINT, "")
+
+
+def narrow_squats(document: Any) -> None:
+    document["motions"]["squat"]["amplitude"] = [0.001, 0.011]
+
+
+def test_what_nobody_typed_fits_the_robot(
+    write_robot: Callable[..., Path], tsd: Tsd, tmp_path: Path
+) -> None:
+    file = str(write_robot(narrow_squats))
+    # as far as the simulated robot: the motion was found to be one of the robot's before
+    done = tsd("simulate", "squat", "--robot", file, "--controller", "local", "--hardware", "x")
+    assert "note: amplitude 0.011 m, the largest for hermes_lower\n" in done.err
+    assert "amplitude is" not in done.err
+    done = tsd("simulate", "squat", "--amplitude", "0.03", "--robot", file, "--hardware", "x")
+    assert "amplitude is 0.03, expected 0.001 to 0.011 m" in done.err
+    shown = tsd("motion", "show", "squat", "--robot", file)
+    row = next(line.split() for line in shown.out.splitlines() if line.startswith("amplitude"))
+    assert row[2] == "0.011"
