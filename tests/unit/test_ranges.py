@@ -131,7 +131,9 @@ def test_what_is_usual_is_moved_into_the_robots_range(
     kind: type[Motion], largest: float, write_robot: Callable[..., Path]
 ) -> None:
     ranges = {"amplitude": [0.001, largest], "frequency": [0.3, 0.4]}
-    narrow = load_robot(write_robot(lambda document: document["motions"].update({kind.name: ranges})))
+    narrow = load_robot(
+        write_robot(lambda document: document["motions"].update({kind.name: ranges}))
+    )
     usual = next(item.usual for item in kind.declaration().parameters if item.usual is not None)
     assert usual_by_name(narrow, kind, "amplitude") == min(usual, largest)
     assert usual_by_name(narrow, kind, "frequency") == 0.3

@@ -41,9 +41,7 @@ def show_one(name: str, options: RobotOptions, output: JsonOptions) -> None:
     robot, kind = load_robot(options.robot), find_motion(name)
     check_described(robot, kind)
     described = _describe(kind)
-    for parameter, item in zip(
-        described["parameters"], kind.declaration().parameters, strict=True
-    ):
+    for parameter, item in zip(described["parameters"], kind.declaration().parameters, strict=True):
         parameter["low"], parameter["high"] = range_of(robot, kind, item)
         taken = "usual" if item.default is None else "default"
         parameter[taken] = usual_of(robot, kind, item)
