@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -16,6 +17,7 @@ import pytest
 from tsd_casadi import __version__
 from tsd_casadi.database.database import Database
 from tsd_casadi.motions.catalogue import shipped_motions
+from tsd_casadi.robot import description_path
 from tsd_cli import command_line
 from tsd_cli.actions import robots
 from tsd_clients.console.table import console
@@ -262,6 +264,20 @@ def test_robots_are_listed(tsd: Tsd, tmp_path: Path) -> None:
     assert json.loads(tsd("robot", "list", "--json", "-").out) == {"robots": [*robots.values()]}
 
 
+def test_robots_without_their_package_are_told_together(
+    tsd: Tsd, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(description_path, "find_package", lambda name: None)
+    done = tsd("robot", "list")
+    rows = {row[0]: row[1:] for row in map(str.split, done.out.splitlines()) if row}
+    assert rows["g1"][:1] == rows["talos"][:1] == ["-"]
+    assert rows["hermes_lower"][:1] == ["17"]
+    words = " ".join(done.out.split())
+    assert "g1, talos: names the package 'example-robot-data', which is not installed" in words
+    assert words.count("is not installed") == 1
+    assert "pip install '.[robots]' in the project's folder" in words
+
+
 OWN = """
 from dataclasses import dataclass
 import numpy as np
@@ -449,3 +465,25 @@ def test_what_nobody_typed_fits_the_robot(
     shown = tsd("motion", "show", "squat", "--robot", file)
     row = next(line.split() for line in shown.out.splitlines() if line.startswith("amplitude"))
     assert row[2] == "0.011"
+
+
+def test_a_check_ends_with_the_commands_that_come_next(
+    write_robot: Callable[..., Path], tsd: Tsd
+) -> None:
+    file = write_robot()
+    apart = file.with_name("my robot.yaml")
+    file.rename(apart)
+    done = tsd("robot", "check", str(apart), "--no-pictures")
+    rest = f"squat --robot '{apart}' --controller local --model-error 0.1"
+    lines = done.out.splitlines()
+    assert f"next: tsd simulate {rest}" in lines
+    assert lines[-1].strip() == f"tsd learn {rest} --rule stable --iterations 2"
+    done = tsd("robot", "check", str(apart), "--no-pictures", "--json", "-")
+    assert json.loads(done.out)["works"]
+
+
+def test_the_readme_has_every_exit_code(tsd: Tsd) -> None:
+    readme = " ".join((Path(__file__).parents[2] / "README.md").read_text().split())
+    listed = " ".join(tsd("--help").out.split()).split("Exit codes: ")[1]
+    for code in re.findall(r"\b\d+\b(?= [a-z])", listed.split("interrupted")[0]):
+        assert re.search(rf"Exit codes: [^.]*\b{code}\b", readme), code

@@ -147,6 +147,7 @@ class Run:
             "laps_run": self.laps_run,
             "laps_measured": len(self.laps),
             "fell": self.fell,
+            "fell_at": float(self.log["time"][-1]) if self.fell else None,
             "failures": self.failures,
             "missed": self.missed,
             "aborted": self.aborted or None,
