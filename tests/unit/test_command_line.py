@@ -273,7 +273,10 @@ def test_robots_without_their_package_are_told_together(
     assert rows["g1"][:1] == rows["talos"][:1] == ["-"]
     assert rows["hermes_lower"][:1] == ["17"]
     words = " ".join(done.out.split())
-    assert "g1, talos: names the package 'example-robot-data', which is not installed" in words
+    assert (
+        "g1, talos: field 'urdf': names the package 'example-robot-data', which is not installed"
+        in words
+    )
     assert words.count("is not installed") == 1
     assert "pip install '.[robots]' in the project's folder" in words
 

@@ -35,7 +35,8 @@ def _describe(name: str) -> dict[str, Any]:
         empty: dict[str, list[str]] = {
             key: [] for key in ("joints", "contacts", "tasks", "motions")
         }
-        missing = f"{error.found}; expected {error.expected}"
+        # without the file, which is another for each robot: the reason may be the same
+        missing = str(error).removeprefix(f"{error.path}: ")
         return {"name": name, **empty, "file": str(error.path), "missing": missing}
     description = robot.description
     return {
