@@ -36,7 +36,10 @@ The first axis of every array is the tick, a control period apart (1 ms unless `
 otherwise); the shape below is that of one tick, for k axes of the repetition, the learned ones
 first, n actuated joints, c contacts and a axes of all tasks. In a .csv every component is a column,
 `error[com.z]` of an axis, otherwise `tau[0]`, `tau[1]` and so on, and every tick a line; an .npz
-has the names of the k axes as `axes`.
+has the names of the k axes as `axes`, the robot's name as `robot`, the fingerprint of its files as
+`model` and state and command of the first tick without a solution as `infeasible_request`, if there
+was one. `tsd explain run.npz` says why a tick had no solution, or what its limits cost
+([explain.md](explain.md)).
 
 {field_table()}
 

@@ -14,6 +14,7 @@ from tsd_casadi.version import __version__
 from tsd_cli.commands.calibrate import calibrate
 from tsd_cli.commands.database import export_entries, import_entries, verify_database
 from tsd_cli.commands.experiments import demo, reproduce
+from tsd_cli.commands.explain import explain
 from tsd_cli.commands.learn import learn
 from tsd_cli.commands.motion import list_motions, show_motion
 from tsd_cli.commands.query import forget_entry, list_entries, query
@@ -50,7 +51,18 @@ Exit codes: 0 done, 1 refused or failed, 2 wrong usage, 3 the robot fell, 4 a ru
 that began was ended by an error and what there is of it is kept, 130 interrupted.
 """
 
-COMMANDS = (controller, learner, status, simulate, learn, calibrate, query, demo, reproduce)
+COMMANDS = (
+    controller,
+    learner,
+    status,
+    simulate,
+    learn,
+    explain,
+    calibrate,
+    query,
+    demo,
+    reproduce,
+)
 # those that take a motion, and whether they move the robot
 ABOUT_A_MOTION = {simulate.__name__: True, learn.__name__: True, query.__name__: False}
 GROUPS = {

@@ -15,6 +15,7 @@ from tsd_casadi import Robot
 from tsd_casadi.exceptions import ParityError
 from tsd_clients.simulator import parity
 from tsd_clients.simulator.body_parity import BodyParity
+from tsd_clients.simulator.build_scene import build_scene
 from tsd_clients.simulator.parity import (
     check_parity,
     find_discrepancies,
@@ -22,6 +23,7 @@ from tsd_clients.simulator.parity import (
     random_state,
 )
 from tsd_clients.simulator.rounding import TOLERANCE
+from tsd_clients.simulator.scene import load_scene
 from tsd_clients.simulator.state_map import StateMap
 
 
@@ -32,7 +34,7 @@ def scene(robot: Robot) -> Any:
 
 
 def test_urdf_and_scene_agree_at_100_random_states(any_robot: Robot) -> None:
-    model = mujoco.MjModel.from_xml_path(str(any_robot.scene_path))
+    model = load_scene(any_robot)
     measured = measure_parity(any_robot, model, states=100, seed=1)
     for quantity, difference in vars(measured).items():
         assert 0 <= difference <= 1e-9, quantity
@@ -149,7 +151,8 @@ def test_the_length_that_others_are_compared_with_is_the_robots(robot: Robot) ->
 
 
 def test_six_digits_pass_and_a_mass_wrong_by_a_thousandth_does_not(any_robot: Robot) -> None:
-    spec = mujoco.MjSpec.from_file(str(any_robot.scene_path))
+    path = any_robot.scene_path
+    spec = build_scene(any_robot) if path is None else mujoco.MjSpec.from_file(str(path))
     spec.compile()
     rounded = mujoco.MjModel.from_xml_string(spec.to_xml())
     assert max(vars(measure_parity(any_robot, rounded)).values()) > 1e-9
@@ -157,12 +160,12 @@ def test_six_digits_pass_and_a_mass_wrong_by_a_thousandth_does_not(any_robot: Ro
     rounded.body_mass[-1] *= 1.001
     with pytest.raises(ParityError, match=r"in one way:\n  body .*: mass is") as caught:
         check_parity(any_robot, rounded)
-    assert caught.value.path == any_robot.scene_path
+    assert caught.value.path == (path or any_robot.path)
 
 
 @hypothesis.given(st.integers(0, 10_000))
 def test_numbers_off_by_a_hundred_thousandth_each_pass(any_robot: Robot, seed: int) -> None:
-    model = mujoco.MjModel.from_xml_path(str(any_robot.scene_path))
+    model = load_scene(any_robot)
     rng = np.random.default_rng(seed)
     for numbers in (
         model.body_mass,

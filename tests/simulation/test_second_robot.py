@@ -98,6 +98,10 @@ DEFAULTS = {
 }
 
 
+# an experiment about these robots
+ABOUT_ROBOTS = "experiments/tsd_experiments/beyond/humanoids/"
+
+
 def sources() -> list[Path]:
     folders = ("tsd_casadi", "server", "clients", "binding", "cli", "experiments")
     return [
@@ -105,6 +109,7 @@ def sources() -> list[Path]:
         for folder in folders
         for ending in ("*.py", "*.pyi", "*.c", "*.h", "*.cpp", "*.hpp")
         for path in (ROOT / folder).rglob(ending)
+        if not str(path.relative_to(ROOT)).startswith(ABOUT_ROBOTS)
     ]
 
 

@@ -13,6 +13,7 @@ import pytest
 from tsd_casadi import Robot, State, load_robot
 from tsd_casadi.exceptions import RobotFileError
 from tsd_clients.simulator.parity import random_state
+from tsd_clients.simulator.scene import load_scene
 from tsd_clients.simulator.state_map import StateMap
 
 STATES = 50
@@ -36,7 +37,7 @@ def edit_scene(write_robot: Callable[..., Path]) -> EditScene:
 
 
 def scene_of(robot: Robot) -> Any:
-    return mujoco.MjModel.from_xml_path(str(robot.scene_path))
+    return load_scene(robot)
 
 
 def random_states(robot: Robot) -> list[State]:

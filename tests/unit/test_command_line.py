@@ -31,6 +31,7 @@ COMMANDS = [
             "learner",
             "simulate",
             "learn",
+            "explain",
             "calibrate",
             "query",
             "demo",

@@ -34,14 +34,16 @@ def run() -> Run:
         fell=False,
         vetoes=[],
         failures={},
+        model="0123",
     )
 
 
 def test_arrays_come_back_as_they_were(run: Run, tmp_path: Path) -> None:
     save_log(run, tmp_path / "log.npz")
     with np.load(tmp_path / "log.npz", allow_pickle=False) as saved:
-        assert set(saved) == {*run.log, "axes"}
+        assert set(saved) == {*run.log, "axes", "robot", "model"}
         assert tuple(saved["axes"]) == run.axes
+        assert (str(saved["robot"]), str(saved["model"])) == (run.robot, "0123")
         for name, values in run.log.items():
             np.testing.assert_array_equal(saved[name], values)
             assert saved[name].dtype == values.dtype

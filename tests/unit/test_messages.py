@@ -44,7 +44,9 @@ from tsd_casadi.wire.context import CircumstancesMessage, ContextMessage
 from tsd_casadi.wire.declaration import DeclarationMessage, ParameterMessage, QuantityMessage
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.feedforward import BandMessage, BoundMessage, FeedforwardMessage
+from tsd_casadi.wire.health import AnswersMessage, DatabaseStateMessage, HealthMessage
 from tsd_casadi.wire.info import FieldMessage, InfoMessage
+from tsd_casadi.wire.latency import LatencyMessage
 from tsd_casadi.wire.learner import (
     DamagedMessage,
     DatabaseReply,
@@ -141,6 +143,18 @@ PLACE = Suggestion(
     {"amplitude": 0.05, "frequency": 0.4, "height": -0.02}, 0.03, {"others": 2}, DECLARATION
 )
 SUGGESTION = SuggestionMessage.of("hermes_lower", "squat", PLACE)
+LATENCY = LatencyMessage(bounds=(25, 50), counts=(3, 0, 1))
+ANSWERS = AnswersMessage(
+    answered=4, refused={"malformed": 1}, failed={"KeyError": 2}, waiting=1, latency=LATENCY
+)
+DATABASE_STATE = DatabaseStateMessage(
+    path="/tmp/d.sqlite",
+    schema_version=4,
+    entries=2,
+    damaged=1,
+    size=8192,
+    last_write="2026-01-02T03:04:05+00:00",
+)
 SAMPLES: list[Document] = [
     ErrorMessage.of(EntryNotFound('nothing ä "quoted"')),
     QuantityMessage(value=0.05, unit="m"),
@@ -178,6 +192,21 @@ SAMPLES: list[Document] = [
         terms=[[0.1, 0.0, -0.2]],
         covariance=np.diag([1e-6, 2e-6, 3e-6]).tolist(),
     ),
+    LATENCY,
+    ANSWERS,
+    DATABASE_STATE,
+    HealthMessage(
+        role="learner",
+        robot="*",
+        instance=0xC0FFEE,
+        pid=1234,
+        started="2026-01-02T03:04:05+00:00",
+        uptime=61.5,
+        versions={"zenoh": "1.10"},
+        answers={"record": ANSWERS},
+        ticks={"OK": 7},
+        database=DATABASE_STATE,
+    ),
 ]
 CLASSES = [
     ErrorMessage,
@@ -203,6 +232,10 @@ CLASSES = [
     DatabaseReply,
     SuggestionMessage,
     CenterOfMassMessage,
+    LatencyMessage,
+    AnswersMessage,
+    DatabaseStateMessage,
+    HealthMessage,
 ]
 
 
@@ -400,7 +433,8 @@ VERSION_1: dict[type[Document], dict[str, Any]] = {
 
 @pytest.mark.parametrize("kind", VERSION_1, ids=lambda kind: kind.__name__)
 def test_a_message_of_version_1_is_told_what_to_send(kind: type[Document]) -> None:
-    assert set(VERSION_1) == set(Message.__subclasses__())
+    # health came with version 2
+    assert {*VERSION_1, HealthMessage} == set(Message.__subclasses__())
     with pytest.raises(UnsupportedVersion, match=r"/2.*'motion' in place of 'task'"):
         kind.decode(json.dumps(VERSION_1[kind]).encode())
 

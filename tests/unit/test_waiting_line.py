@@ -5,7 +5,8 @@ from typing import Any
 import pytest
 
 from tsd_server.kept_replies import KEPT_REPLIES, KeptReplies
-from tsd_server.waiting_line import WAITING_QUERIES, WaitingLine
+from tsd_server.tally import Tally
+from tsd_server.waiting_line import WAITING_QUERIES, Taken, WaitingLine
 
 
 class Query:
@@ -21,23 +22,31 @@ def answer(query: Any) -> None:
     """Answer nothing."""
 
 
+def taken(query: Query) -> Taken:
+    tally = Tally()
+    tally.take()
+    return Taken(query, answer, tally)  # type: ignore[arg-type]
+
+
 def test_queries_are_taken_in_their_order() -> None:
-    line, queries = WaitingLine(), [Query(), Query()]
+    line, queries = WaitingLine(), [taken(Query()), taken(Query())]
     for query in queries:
-        line.put(query, answer)  # type: ignore[arg-type]
-    assert [line.take(), line.take()] == [(query, answer) for query in queries]
+        line.put(query)
+    assert [line.take(), line.take()] == queries
     line.close()
     assert line.take() is None
 
 
 def test_of_too_many_the_oldest_is_dropped() -> None:
-    line, queries = WaitingLine(), [Query() for _ in range(WAITING_QUERIES + 1)]
+    line, queries = WaitingLine(), [taken(Query()) for _ in range(WAITING_QUERIES + 1)]
     for query in queries[:-1]:
-        line.put(query, answer)  # type: ignore[arg-type]
-    assert not any(query.dropped for query in queries)
-    line.put(queries[-1], answer)  # type: ignore[arg-type]
-    assert [query.dropped for query in queries] == [True] + [False] * WAITING_QUERIES
-    assert line.take() == (queries[1], answer)
+        line.put(query)
+    assert not any(each.query.dropped for each in queries)
+    line.put(queries[-1])
+    assert [each.query.dropped for each in queries] == [True] + [False] * WAITING_QUERIES
+    # nor is it counted as waiting any more
+    assert [each.tally.message().waiting for each in queries] == [0] + [1] * WAITING_QUERIES
+    assert line.take() == queries[1]
 
 
 def test_replies_are_kept_until_the_database_changes() -> None:

@@ -14,7 +14,7 @@ from tsd_casadi.state import Vector
 # Of m g h, the torque per angle with which gravity tips a robot over about its
 # ankles: a leg bends under masses that are 10 % off by a height that goes with h over
 # this. One ankle of two has to bring up half of it to stand at all; with 2 a moving
-# squat of hermes_lower ends 5.6 mm from where the answers stopped, with 3 3 mm, and
+# squat of an adult humanoid ends 5.6 mm from where the answers stopped, with 3 3 mm, and
 # with 4 it swings itself over where motors lag by 10 ms.
 STIFFNESS = 3.0
 # The same of m g / h where a joint slides and takes the whole weight.

@@ -8,6 +8,7 @@ from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.recording import Recording
 from tsd_casadi.repetition.run import Run
+from tsd_casadi.repetition.why_infeasible import why_infeasible
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.version import __version__
 
@@ -28,15 +29,18 @@ def record_of(
     """
     what = " ".join(f"{name}={value:g}" for name, value in run.motion.parameters.items())
     if run.fell:
+        why = why_infeasible(run, robot)
         raise SimulationError(
             f"the robot fell in {run.motion.name} {what}; nothing was recorded. Try a smaller "
-            "motion, a smaller model error or a larger P"
+            "motion, a smaller model error or a larger P" + (f"; {why}" if why else "")
         )
     if run.failures:
         kinds = ", ".join(f"{count} {kind}" for kind, count in run.failures.items())
+        why = why_infeasible(run, robot)
         raise SimulationError(
             f"the controller answered ticks of {run.motion.name} {what} with a safe torque "
             f"({kinds}); nothing was recorded. Look at limits, weights and friction"
+            + (f"; {why}" if why else "")
         )
     if not run.steady:
         raise SimulationError(

@@ -104,6 +104,7 @@ class Repetition:
         self.over = False
         self._fell = False
         self._steady = False
+        self._infeasible_request: Vector | None = None
         # where nobody tells the truth
         self._model, self._data = robot.model, robot.model.createData()
         self._periods = None if pace is None else Periods(controller, robot, plant.period, pace)
@@ -203,6 +204,8 @@ class Repetition:
             },
             missed={cause.words: causes[cause] for cause in Cause if causes[cause]},
             aborted=aborted,
+            model=self._robot.fingerprint,
+            infeasible_request=self._infeasible_request,
         )
 
     def _along(self, learned: Vector) -> Vector:
@@ -290,6 +293,8 @@ class Repetition:
                 observer.missed(moment)
             plant.apply(moment.tau)
             return False
+        if answer.reply[0] == Status.INFEASIBLE and self._infeasible_request is None:
+            self._infeasible_request = self._command.request.copy()
         moment.tick = answer
         moment.tau = answer.tau
         if self._compensators:

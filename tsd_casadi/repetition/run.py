@@ -36,6 +36,9 @@ class Run:
         failures: Ticks answered with a safe torque, by status name.
         missed: Periods without an answer, stepped with the fallback, by cause.
         aborted: What ended it early; empty for nothing. A fall is told by ``fell``.
+        model: Fingerprint of the robot's files; empty where nobody knows.
+        infeasible_request: State and command of the first tick without a solution;
+            None if there was none.
     """
 
     robot: str
@@ -53,6 +56,8 @@ class Run:
     failures: dict[str, int]
     missed: dict[str, int] = field(default_factory=dict)
     aborted: str = ""
+    model: str = ""
+    infeasible_request: Vector | None = None
 
     def __repr__(self) -> str:
         """Say what was done, with what, and how well."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 from functools import cached_property
 from pathlib import Path
@@ -17,15 +16,12 @@ from tsd_casadi.exceptions import InvalidValue, UnknownRobot
 from tsd_casadi.robot.checks import check_robot
 from tsd_casadi.robot.description import Kind, read_description
 from tsd_casadi.robot.description_path import resolve_path
+from tsd_casadi.robot.fingerprints import body_fingerprint, formulation_fingerprint
 from tsd_casadi.robot.foot import Foot, make_foot
 from tsd_casadi.robot.joint_patterns import values_by_joint
 from tsd_casadi.robot.rigid_body_model import RigidBodyModel
 from tsd_casadi.robot.robot_file import RobotFile, read_robot_file
-from tsd_casadi.robot.robot_file_sections import ComTaskFile, Contact, FrameTaskFile
 from tsd_casadi.state import State, Vector
-
-# changed whenever the terms of the cost or the equalities change their meaning
-FORMULATION = 1
 
 
 class Robot:
@@ -102,35 +98,13 @@ class Robot:
 
     @cached_property
     def body_fingerprint(self) -> str:
-        """Hash of kinematics, masses and inertias: what was learned depends on them.
-
-        Ten digits count: the same robot written down by another program is the same.
-        """
-        numbers = [
-            *([turned] if any(turned := self.description.base_orientation) else []),
-            *(inertia.toDynamicParameters() for inertia in self.model.inertias),
-            *(placement.homogeneous.ravel() for placement in self.model.jointPlacements),
-            self.model.gravity.linear,
-        ]
-        digest = hashlib.sha256()
-        for joint, name in zip(self.model.joints, self.model.names, strict=True):
-            digest.update(f"{name} {joint.shortname()}\0".encode())
-        for values in numbers:
-            # minus zero is zero
-            digest.update((np.round(np.asarray(values, dtype=float), 10) + 0.0).tobytes())
-        return digest.hexdigest()[:16]
+        """Hash of kinematics, masses and inertias: what was learned depends on them."""
+        return body_fingerprint(self.model, self.description.base_orientation)
 
     @cached_property
     def formulation_fingerprint(self) -> str:
         """Hash of tasks, contacts and cost terms, not of gains, limits or ranges."""
-        described = self.description
-        meaning = [
-            FORMULATION,
-            [_meaning_of_task(task) for task in described.tasks],
-            [_meaning(contact) for contact in described.contacts],
-            [described.posture.W, described.regularization.model_dump()],
-        ]
-        return hashlib.sha256(json.dumps(meaning).encode()).hexdigest()[:16]
+        return formulation_fingerprint(self.description)
 
     @cached_property
     def weight(self) -> float:
@@ -276,21 +250,6 @@ class Robot:
         placement = data.oMf[self.model.getFrameId(frame)]
         quaternion = pinocchio.Quaternion(placement.rotation).coeffs()
         return np.array(placement.translation), np.array(quaternion)
-
-
-def _meaning_of_task(task: ComTaskFile | FrameTaskFile) -> tuple[object, ...]:
-    """Tell what a task means to the formulation."""
-    meaning: tuple[object, ...] = (task.type, task.name, getattr(task, "frame", ""), task.axes)
-    sometimes = isinstance(task, FrameTaskFile) and not task.active
-    return (*meaning, task.W, "sometimes") if sometimes else (*meaning, task.W)
-
-
-def _meaning(contact: Contact) -> tuple[object, ...]:
-    """Tell what a contact means to the formulation, for a sole at a frame just its names."""
-    meaning: tuple[object, ...] = (contact.name, contact.frame)
-    if contact.offset is not None:
-        meaning += (contact.offset.xyz, contact.offset.rpy)
-    return meaning if contact.type == "sole" else (*meaning, contact.type)
 
 
 def load_robot(robot: str | Path) -> Robot:

@@ -20,7 +20,7 @@ def save_log(run: Run, path: str | Path) -> None:
     """Write every tick of a run; the ending of the path says how.
 
     Args:
-        path: Ends in .npz for one array a field and 'axes' with their names, or in
+        path: Ends in .npz for one array a field and what ``Log`` has besides, or in
             .csv for one line a tick and one column a component: 'error[com.z]' of
             an axis, 'tau[0]' of other fields.
 
@@ -51,7 +51,10 @@ def _writer(path: str | Path) -> Callable[[Run, BinaryIO], None]:
 
 
 def _write_npz(run: Run, file: BinaryIO) -> None:
-    np.savez_compressed(file, **run.log, axes=np.array(run.axes))  # type: ignore[arg-type]
+    more = {"axes": np.array(run.axes), "robot": np.array(run.robot), "model": np.array(run.model)}
+    if run.infeasible_request is not None:
+        more["infeasible_request"] = run.infeasible_request
+    np.savez_compressed(file, **run.log, **more)  # type: ignore[arg-type]
 
 
 def _write_csv(run: Run, file: BinaryIO) -> None:

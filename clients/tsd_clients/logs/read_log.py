@@ -1,0 +1,90 @@
+"""The log of a repetition, read back from its file."""
+
+from __future__ import annotations
+
+import csv
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.repetition.log_fields import LOG_FIELDS
+from tsd_casadi.state import Vector
+from tsd_clients.logs.log_file import check_log_path
+
+
+@dataclass(frozen=True)
+class Log:
+    """What ``save_log`` wrote.
+
+    Attributes:
+        fields: One array per quantity, first axis the tick; see ``LOG_FIELDS``.
+        axes: The axes of the repetition.
+        robot: Name of the robot; empty if the file does not tell, as a .csv.
+        model: Fingerprint of its files; empty if the file does not tell.
+        infeasible_request: State and command of the first tick without a solution;
+            None if there was none or the file does not tell.
+    """
+
+    fields: dict[str, Vector]
+    axes: tuple[str, ...]
+    robot: str = ""
+    model: str = ""
+    infeasible_request: Vector | None = None
+
+
+def read_log(path: Path) -> Log:
+    """Read a log.
+
+    Raises:
+        InvalidValue: If it is not one, or has not all fields.
+        OSError: If it cannot be read.
+    """
+    check_log_path(path)
+    try:
+        log = _read_csv(path) if path.suffix.lower() == ".csv" else _read_npz(path)
+    except (ValueError, KeyError, IndexError, zipfile.BadZipFile) as error:
+        raise InvalidValue(
+            "log file", f"'{path}' ({error})", "one that 'tsd simulate --log' wrote"
+        ) from error
+    missing = [name for name in LOG_FIELDS if name not in log.fields]
+    if missing:
+        raise InvalidValue(
+            "log file", f"'{path}' without {', '.join(missing)}", "all fields of docs/logs.md"
+        )
+    return log
+
+
+def _read_npz(path: Path) -> Log:
+    with np.load(path, allow_pickle=False) as saved:
+        names = set(saved)
+        return Log(
+            fields={name: saved[name] for name in LOG_FIELDS if name in names},
+            axes=tuple(saved["axes"].tolist()),
+            robot=str(saved["robot"]) if "robot" in names else "",
+            model=str(saved["model"]) if "model" in names else "",
+            infeasible_request=(
+                saved["infeasible_request"] if "infeasible_request" in names else None
+            ),
+        )
+
+
+def _read_csv(path: Path) -> Log:
+    with path.open(newline="", encoding="ascii") as file:
+        header, *lines = list(csv.reader(file))
+    numbers = np.array(lines, dtype=float).reshape(-1, len(header))
+    columns: dict[str, list[Vector]] = {}
+    axes = []
+    for title, column in zip(header, numbers.T, strict=True):
+        name, _, part = title.partition("[")
+        columns.setdefault(name, []).append(column)
+        if name == "reference":
+            axes.append(part.rstrip("]"))
+    fields = {}
+    for name, field in LOG_FIELDS.items():
+        if name in columns:
+            values = np.array(columns[name])
+            fields[name] = (values[0] if field.shape == "()" else values.T).astype(field.type)
+    return Log(fields, tuple(axes))
