@@ -491,3 +491,12 @@ def test_the_readme_has_every_exit_code(tsd: Tsd) -> None:
     listed = " ".join(tsd("--help").out.split()).split("Exit codes: ")[1]
     for code in re.findall(r"\b\d+\b(?= [a-z])", listed.split("interrupted")[0]):
         assert re.search(rf"Exit codes: [^.]*\b{code}\b", readme), code
+
+
+def test_a_new_robot_ends_with_the_command_that_comes_next(
+    small_humanoid: Callable[..., Path], tsd: Tsd
+) -> None:
+    out = small_humanoid().with_name("my robot.yaml")
+    feet = ("--feet", "left_foot,right_foot")
+    done = tsd("robot", "new", str(out.with_name("small.urdf")), *feet, "--out", str(out))
+    assert done.out.splitlines()[-1] == f"next: tsd robot check '{out}'"

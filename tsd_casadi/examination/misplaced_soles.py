@@ -42,7 +42,7 @@ def misplaced_soles(robot: Robot) -> Iterator[Finding]:
                 "error",
                 f"contact {contact.name}",
                 f"is {size:.3g} m long, more than the height of the centre of mass",
-                f"metres, {_in_metres(contact)} if these are millimetres",
+                f"metres, {_in_meters(contact)} if these are millimetres",
             )
             continue
         frame = robot.frame_id(contact.name)
@@ -98,7 +98,7 @@ def _compare(robot: Robot, contact: SoleFile, frame: int, patch: SolePatch) -> I
         )
 
 
-def _in_metres(contact: SoleFile) -> str:
+def _in_meters(contact: SoleFile) -> str:
     """Write what millimetres are in metres."""
     x, y = (f"[{low / 1e3:g}, {high / 1e3:g}]" for low, high in (contact.x, contact.y))
     return f"x: {x}, y: {y}"
