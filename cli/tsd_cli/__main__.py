@@ -18,6 +18,10 @@ except KeyboardInterrupt:
 
 def main() -> None:
     """Run the command line."""
+    # before numpy
+    from tsd_casadi.single_thread import use_single_thread
+
+    use_single_thread()
     from tsd_cli.command_line import run
 
     run()

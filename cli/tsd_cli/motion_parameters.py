@@ -78,7 +78,8 @@ def with_parameters(
 
     def call(**given: Any) -> None:
         parameters = {option.name: given.pop(option.name) for option in own}
-        command(**given, parameters=parameters)
+        said = {name: value for name, value in parameters.items() if value is not None}
+        command(**given, parameters=said)
 
     call.__name__, call.__doc__ = command.__name__, command.__doc__
     call.__annotations__ = {each.name: each.annotation for each in shown}
@@ -94,13 +95,15 @@ def _option(item: Parameter, moves: bool) -> inspect.Parameter:
         f"--{item.name.replace('_', '-')}",
         metavar=METAVARS.get(item.unit, item.unit.upper() or "VALUE"),
         help=f"{item.meaning[:1].upper()}{item.meaning[1:]}." if item.meaning else None,
+        show_default=False if default is None else f"usually {default:g}",
         rich_help_panel=(inspect.getdoc(MotionOptions) or "").rstrip("."),
     )
     return inspect.Parameter(
         item.name,
         inspect.Parameter.KEYWORD_ONLY,
-        default=inspect.Parameter.empty if default is None else default,
-        annotation=Annotated[float, info],
+        # what nobody typed is chosen for the robot, which is not known yet
+        default=inspect.Parameter.empty if default is None else None,
+        annotation=Annotated[float if default is None else float | None, info],
     )
 
 

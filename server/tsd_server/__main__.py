@@ -5,6 +5,10 @@ try:
     from tsd_server.end_at_once import end_at_once
 
     end_at_once()
+    # before numpy
+    from tsd_casadi.single_thread import use_single_thread
+
+    use_single_thread()
 except KeyboardInterrupt:
     raise SystemExit(130) from None
 

@@ -561,6 +561,7 @@ def test_a_fall_in_the_middle_of_a_lap_ends_the_run(
 def test_a_fallen_run_can_be_summarised_and_saved(fallen: Run, tmp_path: Path) -> None:
     summary = json.loads(json.dumps(fallen.summary()))
     assert summary["fell"] is True
+    assert summary["fell_at"] == fallen.log["time"][-1]
     assert summary["laps_measured"] == 0
     save_log(fallen, tmp_path / "log.npz")
     with np.load(tmp_path / "log.npz") as saved:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
 from tsd_casadi import __version__
 from tsd_casadi.database.database import Database
 from tsd_casadi.motions.catalogue import shipped_motions
+from tsd_casadi.robot import description_path
 from tsd_cli import command_line
 from tsd_cli.actions import robots
 from tsd_clients.console.table import console
@@ -263,6 +265,23 @@ def test_robots_are_listed(tsd: Tsd, tmp_path: Path) -> None:
     assert json.loads(tsd("robot", "list", "--json", "-").out) == {"robots": [*robots.values()]}
 
 
+def test_robots_without_their_package_are_told_together(
+    tsd: Tsd, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(description_path, "find_package", lambda name: None)
+    done = tsd("robot", "list")
+    rows = {row[0]: row[1:] for row in map(str.split, done.out.splitlines()) if row}
+    assert rows["g1"][:1] == rows["talos"][:1] == ["-"]
+    assert rows["hermes_lower"][:1] == ["17"]
+    words = " ".join(done.out.split())
+    assert (
+        "g1, talos: field 'urdf': names the package 'example-robot-data', which is not installed"
+        in words
+    )
+    assert words.count("is not installed") == 1
+    assert "pip install '.[robots]' in the project's folder" in words
+
+
 OWN = """
 from dataclasses import dataclass
 import numpy as np
@@ -431,3 +450,53 @@ def test_an_interrupt_while_modules_load_ends_the_process_without_a_word(module:
 def test_an_interrupt_while_the_interpreter_ends_says_nothing() -> None:
     done = interrupted(INTERRUPT_AT_EXIT)
     assert (done.returncode, done.stderr) == (-signal.SIGINT, "")
+
+
+def narrow_squats(document: Any) -> None:
+    document["motions"]["squat"]["amplitude"] = [0.001, 0.011]
+
+
+def test_what_nobody_typed_fits_the_robot(
+    write_robot: Callable[..., Path], tsd: Tsd, tmp_path: Path
+) -> None:
+    file = str(write_robot(narrow_squats))
+    # as far as the simulated robot: the motion was found to be one of the robot's before
+    done = tsd("simulate", "squat", "--robot", file, "--controller", "local", "--hardware", "x")
+    assert "note: amplitude 0.011 m, the largest for hermes_lower\n" in done.err
+    assert "amplitude is" not in done.err
+    done = tsd("simulate", "squat", "--amplitude", "0.03", "--robot", file, "--hardware", "x")
+    assert "amplitude is 0.03, expected 0.001 to 0.011 m" in done.err
+    shown = tsd("motion", "show", "squat", "--robot", file)
+    row = next(line.split() for line in shown.out.splitlines() if line.startswith("amplitude"))
+    assert row[2] == "0.011"
+
+
+def test_a_check_ends_with_the_commands_that_come_next(
+    write_robot: Callable[..., Path], tsd: Tsd
+) -> None:
+    file = write_robot()
+    apart = file.with_name("my robot.yaml")
+    file.rename(apart)
+    done = tsd("robot", "check", str(apart), "--no-pictures")
+    rest = f"squat --robot '{apart}' --controller local --model-error 0.1"
+    lines = done.out.splitlines()
+    assert f"next: tsd simulate {rest}" in lines
+    assert lines[-1].strip() == f"tsd learn {rest} --rule stable --iterations 2"
+    done = tsd("robot", "check", str(apart), "--no-pictures", "--json", "-")
+    assert json.loads(done.out)["works"]
+
+
+def test_the_readme_has_every_exit_code(tsd: Tsd) -> None:
+    readme = " ".join((Path(__file__).parents[2] / "README.md").read_text().split())
+    listed = " ".join(tsd("--help").out.split()).split("Exit codes: ")[1]
+    for code in re.findall(r"\b\d+\b(?= [a-z])", listed.split("interrupted")[0]):
+        assert re.search(rf"Exit codes: [^.]*\b{code}\b", readme), code
+
+
+def test_a_new_robot_ends_with_the_command_that_comes_next(
+    small_humanoid: Callable[..., Path], tsd: Tsd
+) -> None:
+    out = small_humanoid().with_name("my robot.yaml")
+    feet = ("--feet", "left_foot,right_foot")
+    done = tsd("robot", "new", str(out.with_name("small.urdf")), *feet, "--out", str(out))
+    assert done.out.splitlines()[-1] == f"next: tsd robot check '{out}'"

@@ -11,7 +11,7 @@ from tsd_casadi import Controller, Robot, load_robot
 from tsd_casadi.examination.examine import examine
 from tsd_casadi.examination.finding import Finding
 from tsd_casadi.examination.impossible_links import SLIGHT, impossible_links
-from tsd_casadi.examination.motion_demands import demands_of
+from tsd_casadi.examination.motion_demands import demands_of, torque_at_rest
 from tsd_casadi.examination.suspicious_numbers import suspicious_numbers
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.motions.sway import Sway
@@ -186,6 +186,23 @@ def test_a_range_that_is_out_of_reach_is_an_error(
     assert first.severity == "error"
     assert first.element.startswith("squat amplitude=0.5")
     assert "out of reach" in first.found
+
+
+@pytest.mark.parametrize(("share", "is_home"), [(0.85, False), (0.95, True)])
+def test_a_torque_that_standing_takes_is_not_blamed_on_a_range(
+    share: float, is_home: bool, write_robot: WriteRobot, robot: Robot, controller: Controller
+) -> None:
+    tau = np.abs(controller.tick(robot.home, controller.command()).tau)
+    knee = float(tau[robot.joint_names.index("L_KFE")])
+    limited = load_robot(write_robot(update(effort={"._KFE": knee / share})))
+    assert torque_at_rest(limited, controller).value == pytest.approx(share, rel=0.02)
+    torques = [each for each in examine(limited, controller).findings if "torque of" in each.found]
+    assert torques
+    for finding in torques:
+        told = "another home posture, home alone needs 9" in finding.remedy
+        assert told is is_home
+        assert ("effort: {" in finding.remedy) is is_home
+        assert ("a smaller range" in finding.remedy) is not is_home
 
 
 def test_an_override_settles_a_link(write_robot: WriteRobot, controller: Controller) -> None:

@@ -90,6 +90,11 @@ CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
         {"role": "controller", "endpoints": ["tcp/127.0.0.1:7447"]},
         ["no controller", "tcp/127.0.0.1:7447", "timeout", "tsd controller", "--connect"],
     ),
+    "ServiceBusy": (
+        ("learner", ["tcp/127.0.0.1:7448"], 30.0),
+        {"role": "learner", "endpoints": ["tcp/127.0.0.1:7448"], "timeout": 30.0},
+        ["the learner at tcp/127.0.0.1:7448", "within 30 s", "at work", "tsd database list"],
+    ),
     "ServiceFailed": (("internal", "it broke"), {"code": "internal"}, ["it broke"]),
     "ServiceNotReady": (("not ready after 1 s",), {}, ["not ready after 1 s"]),
     "AlreadyRunning": (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -44,3 +45,43 @@ def test_the_root_loads_nothing_before_it_is_used() -> None:
 def test_the_loop_loads_its_robot_but_no_statistics() -> None:
     code = "import sys, tsd_casadi.repetition.learn; print(*sys.modules)"
     assert not loaded_by(code) & (HEAVY - {"pinocchio"})
+
+
+# prints what BLAS will read at the moment in which numpy is asked for
+THREADS = """
+import os, runpy, sys
+
+class Watch:
+    def find_spec(self, name, path=None, target=None):
+        if name == "numpy":
+            print(*(os.environ.get(each) for each in variables))
+            sys.meta_path.remove(self)
+
+sys.meta_path.insert(0, Watch())
+variables, program, arguments = sys.argv[1].split(","), sys.argv[2], sys.argv[3:]
+sys.argv = [program, *arguments]
+runpy.run_module(program, run_name="__main__")
+"""
+VARIABLES = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
+
+
+@pytest.mark.parametrize(
+    ("program", "arguments"),
+    # both refuse; numpy is loaded by then
+    [("tsd_server", ["learner", "--listen", "x"]), ("tsd_cli", ["motion", "show", "x"])],
+)
+@pytest.mark.parametrize("users", [None, "3"])
+def test_programs_use_one_thread_for_linear_algebra(
+    program: str, arguments: list[str], users: str | None
+) -> None:
+    environment = {name: text for name, text in os.environ.items() if name not in VARIABLES}
+    if users is not None:
+        environment["OMP_NUM_THREADS"] = users
+    done = subprocess.run(
+        [sys.executable, "-c", THREADS, ",".join(VARIABLES), program, *arguments],
+        capture_output=True,
+        text=True,
+        env=environment,
+    )
+    expected = ["1", "1", "1"] if users is None else ["None", "None", users]
+    assert done.stdout.split() == expected, done.stderr

@@ -206,7 +206,7 @@ def error_of(path: Path) -> RobotFileError:
 def test_a_point_has_to_touch_the_ground(write_quadruped: Write) -> None:
     error = error_of(write_quadruped(lambda d: d["home"].update(fl_bend=-1.35)))
     assert error.field == "home"
-    assert re.search(r"leaves \w+_ground [\d.]+ mm off the ground plane", str(error))
+    assert re.search(r"leaves \w+_ground [\d.]+ mm above \w+_ground", str(error))
     assert "all points on one plane" in error.expected
 
 

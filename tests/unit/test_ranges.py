@@ -13,7 +13,7 @@ from tsd_casadi import Robot, Squat, load_robot
 from tsd_casadi.exceptions import InvalidValue, RobotFileError
 from tsd_casadi.motions.lean import Lean
 from tsd_casadi.motions.motion import Motion
-from tsd_casadi.motions.ranges import check_motion, range_of
+from tsd_casadi.motions.ranges import check_motion, range_of, usual_of
 from tsd_casadi.motions.sway import Sway
 from tsd_casadi.motions.twist import Twist
 from tsd_casadi.robot.reaching import reach
@@ -118,3 +118,28 @@ def test_what_a_file_narrows_has_to_be_there(
     with pytest.raises(RobotFileError, match=words) as caught:
         check_motion(robot, Squat(0.03))
     assert caught.value.field == field
+
+
+def usual_by_name(robot: Robot, kind: type[Motion], name: str) -> float | None:
+    item = next(item for item in kind.declaration().parameters if item.name == name)
+    return usual_of(robot, kind, item)
+
+
+@pytest.mark.parametrize("kind", [Squat, Sway, Lean])
+@pytest.mark.parametrize("largest", [0.011, 0.02, 0.5])
+def test_what_is_usual_is_moved_into_the_robots_range(
+    kind: type[Motion], largest: float, write_robot: Callable[..., Path]
+) -> None:
+    ranges = {"amplitude": [0.001, largest], "frequency": [0.3, 0.4]}
+    narrow = load_robot(
+        write_robot(lambda document: document["motions"].update({kind.name: ranges}))
+    )
+    usual = next(item.usual for item in kind.declaration().parameters if item.usual is not None)
+    assert usual_by_name(narrow, kind, "amplitude") == min(usual, largest)
+    assert usual_by_name(narrow, kind, "frequency") == 0.3
+
+
+def test_what_is_usual_stays_where_the_robot_can_do_it(robot: Robot) -> None:
+    assert usual_by_name(robot, Squat, "amplitude") == 0.03
+    assert usual_by_name(robot, Squat, "frequency") == 0.25
+    assert usual_by_name(robot, Squat, "height") == 0.0

@@ -76,3 +76,35 @@ def test_a_file_that_is_no_robot_file_by_its_size_is_not_parsed(tmp_path: Path) 
     read(tmp_path, comment + "x" * (LARGEST_FILE - len(comment)))
     with pytest.raises(RobotFileError, match="too large"):
         read(tmp_path, comment + "x" * (LARGEST_FILE - len(comment) + 1))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["a:\n\tb: 1\n", "a: 1\nb:\n  - 1\n\t- 2\n", "\t- a\n", "a:\n  b: 1\n \tc: 2\n"],
+)
+def test_a_tab_is_called_a_tab(text: str, tmp_path: Path) -> None:
+    with pytest.raises(RobotFileError, match=r"expected spaces where line \d has a tab"):
+        read(tmp_path, text)
+
+
+def test_what_no_tab_is_to_blame_for_is_not_blamed_on_one(tmp_path: Path) -> None:
+    with pytest.raises(RobotFileError, match="is not YAML") as caught:
+        read(tmp_path, 'a: ["x\ty", 2\nb: 1\n')
+    assert "tab" not in caught.value.expected
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ('<?xml version="1.0"?>\n<!-- legs: two -->\n<robot name="r">\n</robot>\n', "a URDF"),
+        ('<robot name="r"></robot>', "a URDF"),
+        ('\ufeff\n<mujoco model="r"/>', "an MJCF"),
+        ("<sdf/>", "XML"),
+        (f'<robot name="r">{" " * LARGEST_FILE}</robot>', "a URDF"),
+    ],
+    ids=["commented", "urdf", "mjcf", "other", "large"],
+)
+def test_a_description_is_not_taken_for_a_robot_file(text: str, kind: str, tmp_path: Path) -> None:
+    with pytest.raises(RobotFileError, match=f"is {kind}, no robot file") as caught:
+        read(tmp_path, text)
+    assert f"'tsd robot new {caught.value.path} --feet LEFT,RIGHT'" in str(caught.value)

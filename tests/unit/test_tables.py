@@ -19,6 +19,7 @@ from tsd_casadi.wire.learner import (
     EntryMessage,
     IterationMessage,
 )
+from tsd_clients.console.examination_tables import print_examination
 from tsd_clients.console.learner_tables import (
     describe_parameters,
     print_contractions,
@@ -46,6 +47,7 @@ SUMMARY: dict[str, Any] = {
     "laps_run": 5,
     "tick_us": {"p50": 55.4, "p99": 124.0},
     "fell": False,
+    "fell_at": None,
     "steady": True,
     "failures": {},
     "missed": {},
@@ -126,7 +128,7 @@ def test_each_axis_of_a_run_has_its_row_and_its_unit() -> None:
 @pytest.mark.parametrize(
     ("changes", "remark"),
     [
-        ({"fell": True, "steady": False}, "fell"),
+        ({"fell": True, "fell_at": 1.5, "steady": False}, "fell"),
         ({"steady": False}, "never steady"),
         ({"failures": {"infeasible": 3}}, "3 ticks infeasible"),
         ({"missed": {"nothing there": 4}}, "4 periods missed, nothing there"),
@@ -136,6 +138,64 @@ def test_each_axis_of_a_run_has_its_row_and_its_unit() -> None:
 def test_what_went_wrong_is_said_beside_the_label(changes: dict[str, Any], remark: str) -> None:
     text = printed(lambda: print_runs("squat", [{**SUMMARY, **changes}]))
     assert remark in " ".join(text.split())
+
+
+FALLEN = {
+    **SUMMARY,
+    "fell": True,
+    "fell_at": 1.234,
+    "steady": False,
+    "laps_measured": 0,
+    "laps_run": 0,
+    "errors": {"com.z": {**SUMMARY["errors"]["com.z"], "rms": None, "peak": None}},
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({}, "baseline: fell at t = 1.23 s, before a lap could be measured, every tick was solved"),
+        (
+            {"failures": {"infeasible": 12}, "missed": {"late": 3}},
+            "fell at t = 1.23 s, before a lap could be measured, 12 infeasible ticks, 3 periods "
+            "missed, late",
+        ),
+    ],
+)
+def test_a_fall_is_told_instead_of_a_table_of_dashes(changes: dict[str, Any], told: str) -> None:
+    text = printed(lambda: print_runs("squat", [{**FALLEN, **changes}]))
+    assert told in " ".join(text.split())
+    assert "RMS" not in text
+
+
+def test_a_fall_after_measured_laps_is_told_below_them() -> None:
+    text = printed(lambda: print_runs("squat", [SUMMARY, {**FALLEN, "label": "learned"}]))
+    assert "1.2346" in text
+    assert text.splitlines()[-1].startswith("learned: fell at t = 1.23 s, before a lap")
+
+
+def test_an_examination_names_joints_before_friction() -> None:
+    part = {"value": 0.5, "of": "left_hip_pitch_joint"}
+    names = ("joint", "torque", "friction")
+    motion = {
+        "motion": "squat",
+        "parameters": {"amplitude": 0.03, "frequency": 0.25},
+        "pressure": 0.04,
+        **dict.fromkeys(names, part),
+    }
+    plain = {"motions": [motion], "findings": [], "works": True}
+    with console_of(80):
+        text = printed(lambda: print_examination("mine", plain))
+    heading, left_out = text.split("left_hip_pitch_joint", 1)[0], text.split("no room for")[-1]
+    for part_of_heading in ("at 0.25 Hz", "to limit,", "rad", "inside", "feet, mm"):
+        assert part_of_heading in heading
+    assert "friction" in left_out
+    assert "left_hip_pitch_joint" in text
+    other = {**motion, "parameters": {"amplitude": 0.03, "frequency": 0.2}}
+    text = printed(lambda: print_examination("mine", {**plain, "motions": [motion, other]}))
+    assert "frequency=0.25" in text
+    assert "frequency=0.2 " in text
+    assert " Hz" not in text
 
 
 def test_goals_say_whether_they_were_met() -> None:

@@ -10,7 +10,12 @@ from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.examination.finding import Finding
 from tsd_casadi.examination.impossible_links import impossible_links
 from tsd_casadi.examination.misplaced_soles import misplaced_soles
-from tsd_casadi.examination.motion_demands import MotionDemands, demands_of
+from tsd_casadi.examination.motion_demands import (
+    Demand,
+    MotionDemands,
+    demands_of,
+    torque_at_rest,
+)
 from tsd_casadi.examination.suspicious_numbers import suspicious_numbers
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.motions.catalogue import shipped_motions
@@ -78,10 +83,11 @@ def examine(
         if finding.element not in overridden
     ]
     motions = list(_ends(robot))
+    rest = torque_at_rest(robot, controller)
     demands = []
     for index, motion in enumerate(motions):
         demands.append(demands_of(robot, controller, motion))
-        findings += _judge(demands[-1])
+        findings += _judge(demands[-1], rest)
         progress(index + 1, len(motions))
     order = ("error", "warning", "note")
     findings.sort(key=lambda finding: order.index(finding.severity))
@@ -107,7 +113,7 @@ def _ends(robot: Robot) -> Iterator[Motion]:
                     yield kind(**{**usual, item.name: end})
 
 
-def _judge(demands: MotionDemands) -> Iterator[Finding]:
+def _judge(demands: MotionDemands, rest: Demand) -> Iterator[Finding]:
     element = told(demands.motion)
     part = f"'motions: {{{demands.motion.name}: ...}}' in the robot file"
     if demands.failure is not None:
@@ -128,7 +134,10 @@ def _judge(demands: MotionDemands) -> Iterator[Finding]:
             "warning",
             element,
             f"needs {100 * torque.value:.0f} % of the torque of {torque.of}",
-            f"a smaller range, {part}",
+            f"a smaller range, {part}"
+            if rest.value <= LARGEST_SHARE
+            else f"another home posture, home alone needs {100 * rest.value:.0f} % of "
+            f"{rest.of}; or 'effort: {{{rest.of}: ...}}' in the robot file, if the motor has more",
         )
     if friction.value > LARGEST_SHARE:
         yield Finding(

@@ -21,6 +21,9 @@ MISPLACED = 5e-3
 TILTED = 0.02
 # a sole that is larger than the foot by less may be rounding of either [m]
 OVERHANG = 2e-3
+# beyond these it is no rounding: the controller would put the weight where no foot is,
+# a fifth of the foot (its own margin is a tenth) or what tips an adult [-, m]
+LARGEST_OVERHANG = 0.2, 0.02
 
 
 def misplaced_soles(robot: Robot) -> Iterator[Finding]:
@@ -31,6 +34,16 @@ def misplaced_soles(robot: Robot) -> Iterator[Finding]:
     model = robot.model
     for contact in robot.description.contacts:
         if not isinstance(contact, SoleFile):
+            continue
+        size = float(np.ptp([contact.x, contact.y], axis=1).max())
+        if size > robot.home_com[2]:
+            # no foot is as long as its leg: whatever the shapes say, or if there are none
+            yield Finding(
+                "error",
+                f"contact {contact.name}",
+                f"is {size:.3g} m long, more than the height of the centre of mass",
+                f"metres, {_in_meters(contact)} if these are millimetres",
+            )
             continue
         frame = robot.frame_id(contact.name)
         joint = model.frames[frame].parentJoint
@@ -72,14 +85,23 @@ def _compare(robot: Robot, contact: SoleFile, frame: int, patch: SolePatch) -> I
     outline = patch.outline @ real.rotation[:2, :2].T + real.translation[:2]
     low, high = outline.min(axis=0), outline.max(axis=0)
     extents = np.array([contact.x, contact.y])
-    over = float(np.maximum(low - extents[:, 0], extents[:, 1] - high).max())
+    overs = np.maximum(low - extents[:, 0], extents[:, 1] - high)
+    over = float(overs.max())
     if over > OVERHANG:
+        share, length = LARGEST_OVERHANG
+        is_far = over > length or bool((overs > share * (high - low)).any())
         yield Finding(
-            "warning",
+            "error" if is_far and patch.source == "collision" else "warning",
             element,
             f"is larger than the flat underside of the foot, by {1e3 * over:.1f} mm",
             f"x within [{low[0]:.3f}, {high[0]:.3f}], y within [{low[1]:.3f}, {high[1]:.3f}]",
         )
+
+
+def _in_meters(contact: SoleFile) -> str:
+    """Write what millimetres are in metres."""
+    x, y = (f"[{low / 1e3:g}, {high / 1e3:g}]" for low, high in (contact.x, contact.y))
+    return f"x: {x}, y: {y}"
 
 
 def _offset(robot: Robot, contact: SoleFile, patch: SolePatch) -> str:

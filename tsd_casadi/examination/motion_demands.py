@@ -116,6 +116,15 @@ def demands_of(robot: Robot, controller: WholeBodyController, motion: Motion) ->
     )
 
 
+def torque_at_rest(robot: Robot, controller: WholeBodyController) -> Demand:
+    """Find the largest |torque| / limit at home, standing still."""
+    command = controller.command()
+    hold(command, robot, robot.home)
+    loads = _Loads(robot)
+    loads.add(robot.home.q, controller.tick(robot.home, command))
+    return loads.torque
+
+
 def _sag(robot: Robot) -> dict[str, float]:
     """By how much a wrong model moves the centre of mass up or down, E g / P, by axis [m]."""
     return {

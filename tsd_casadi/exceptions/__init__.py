@@ -27,6 +27,7 @@ what was expected and what to do about it::
     │   └── IncompatibleEntry
     └── ServiceError            between a service and its clients
         ├── ServiceUnreachable
+        │   └── ServiceBusy
         ├── ServiceFailed
         ├── ServiceNotReady
         ├── ControllerSilent
@@ -62,15 +63,14 @@ from tsd_casadi.exceptions.robot import ParityError, RobotError, RobotFileError,
 from tsd_casadi.exceptions.services import (
     AlreadyRunning,
     CertificateRefused,
-    ControllerSilent,
     EndpointTaken,
     RunDirectoryUnusable,
     ServiceError,
     ServiceFailed,
     ServiceNotReady,
-    ServiceUnreachable,
     TwoServices,
 )
+from tsd_casadi.exceptions.silence import ControllerSilent, ServiceBusy, ServiceUnreachable
 from tsd_casadi.exceptions.simulation import SimulationError
 from tsd_casadi.exceptions.values import (
     InvalidValue,
@@ -103,6 +103,7 @@ __all__ = [
     "RobotError",
     "RobotFileError",
     "RunDirectoryUnusable",
+    "ServiceBusy",
     "ServiceError",
     "ServiceFailed",
     "ServiceNotReady",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 from tsd_casadi.exceptions.base import TsdError
@@ -14,28 +13,6 @@ class ServiceError(TsdError):
     What a service refuses is not one of these: it arrives as the class that
     the library raises in the same case, ``EntryNotFound`` for instance.
     """
-
-
-class ServiceUnreachable(ServiceError):
-    """No service answered.
-
-    Attributes:
-        role: 'controller' or 'learner'.
-        endpoints: Where it was looked for.
-    """
-
-    code = "unreachable"
-    role: str | None = None
-    endpoints: list[str] | None = None
-
-    def __init__(self, role: str, endpoints: Sequence[str], detail: str) -> None:
-        """Create the error for one service."""
-        self.role = role
-        self.endpoints = list(endpoints)
-        super().__init__(
-            f"no {role} answered at {', '.join(endpoints)} ({detail}); start one with "
-            f"'tsd {role}', or name its endpoint with --connect"
-        )
 
 
 class ServiceFailed(ServiceError):
@@ -58,28 +35,6 @@ class ServiceNotReady(ServiceError):
     """A service that was started did not get ready."""
 
     code = "not_ready"
-
-
-class ControllerSilent(ServiceError):
-    """A robot was held for longer than the user's patience.
-
-    Attributes:
-        patience: How long answers were missing [s].
-        why: Of the last one, as far as it can be told.
-    """
-
-    code = "controller_silent"
-    patience: float | None = None
-    why: str | None = None
-
-    def __init__(self, patience: float, why: str) -> None:
-        """Create the error for one silence."""
-        self.patience = patience
-        self.why = why
-        super().__init__(
-            f"no torque was answered for {patience:g} s ({why}), all of it stepped with the "
-            "fallback; look at the controller, or wait for it longer with --patience"
-        )
 
 
 class EndpointTaken(ServiceError):

@@ -59,6 +59,28 @@ def range_of(robot: Robot, kind: type[Motion], item: Parameter) -> tuple[float, 
     return max(item.low, -_farthest(robot, kind, item.name, -1.0)), high
 
 
+def usual_of(robot: Robot, kind: type[Motion], item: Parameter) -> float | None:
+    """Find what a parameter is on a robot where nothing is said.
+
+    Args:
+        kind: The motion's class.
+        item: One of its parameters.
+
+    Returns:
+        Its usual value or default, moved into the robot's range; None if it has
+        neither. How far a motion goes by default is left as it is: that is the
+        motion as its author wrote it, a file's references for instance.
+
+    Raises:
+        InvalidValue: If the robot has no task that carries the motion.
+    """
+    value = item.usual if item.default is None else item.default
+    if value is None or (item.extent and item.default is not None):
+        return value
+    low, high = range_of(robot, kind, item)
+    return min(max(value, low), high)
+
+
 def check_motion(robot: Robot, motion: Motion) -> None:
     """Refuse what a robot cannot do.
 

@@ -40,7 +40,9 @@ def find_in_package(
     """
     package = find_package(DATA)
     if package is None:
-        raise InvalidValue("--package", f"'{name}'", f"the package {DATA}: pip install {DATA}")
+        raise InvalidValue(
+            "--package", f"'{name}'", f"the package {DATA}: pip install {DATA} xacro"
+        )
     robots = {folder.name: folder for folder in sorted((package / "robots").iterdir())}
     meant = [each for each in (name, *(name + ending for ending in ENDINGS)) if each in robots]
     if not meant:

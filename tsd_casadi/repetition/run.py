@@ -154,6 +154,7 @@ class Run:
             "laps_run": self.laps_run,
             "laps_measured": len(self.laps),
             "fell": self.fell,
+            "fell_at": float(self.log["time"][-1]) if self.fell else None,
             "failures": self.failures,
             "at_limits": self.at_limits,
             "missed": self.missed,

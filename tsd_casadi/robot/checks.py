@@ -134,16 +134,26 @@ def _check_weight(robot: Robot) -> None:
 def _check_feet_on_ground(robot: Robot) -> None:
     for name, field, _ in _postures(robot):
         placements = robot.sole_placements(robot.posture(name).q)
-        for foot, placement in zip(robot.feet, placements, strict=True):
-            height, tilt = abs(placement.translation[2]), foot.tilt(placement)
-            if height > FLATNESS or tilt > FLATNESS:
-                raise RobotFileError(
-                    robot.path,
-                    field,
-                    f"leaves {foot.name} {1e3 * height:.1f} mm off the ground plane and "
-                    f"tilted by {tilt:.4f} rad",
-                    "joint angles with all soles flat and all points on one plane",
-                )
+        heights = [float(placement.translation[2]) for placement in placements]
+        wrong = []
+        if max(map(abs, heights)) > FLATNESS:
+            # the ground is in the middle of them: each is off by a part of what they differ
+            low, high = (robot.feet[heights.index(end(heights))].name for end in (min, max))
+            apart = 1e3 * (max(heights) - min(heights))
+            wrong.append(f"{high} {apart:.1f} mm above {low}")
+        tilts = [
+            (foot.tilt(placement), foot.name)
+            for foot, placement in zip(robot.feet, placements, strict=True)
+        ]
+        wrong += [f"{foot} tilted by {tilt:.4f} rad" for tilt, foot in tilts if tilt > FLATNESS]
+        if wrong:
+            raise RobotFileError(
+                robot.path,
+                field,
+                f"leaves {', '.join(wrong)}",
+                "joint angles with all soles flat and all points on one plane; if the angles are "
+                "right, the contact's 'offset' (and 'frame') that leads to where the foot is flat",
+            )
 
 
 def _check_mobility(robot: Robot) -> None:

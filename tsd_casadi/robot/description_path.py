@@ -31,8 +31,8 @@ def resolve_path(robot_file: Path, field: str, text: str) -> Path:
                 field,
                 f"names the package '{name}', which is not installed",
                 f"its data: 'pip install {name}' brings those that are on PyPI (of the robots that "
-                "come with this project: 'pip install tsd_casadi[robots]'), a folder of ROS "
-                "packages is found by ROS_PACKAGE_PATH",
+                "come with this project: pip install '.[robots]' in the project's folder), a "
+                "folder of ROS packages is found by ROS_PACKAGE_PATH",
             )
         path = folder / rest
     else:

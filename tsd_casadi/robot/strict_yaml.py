@@ -26,6 +26,9 @@ _OCTAL = re.compile(r"^[-+]?0[0-9_]+$")
 _SEXAGESIMAL = re.compile(r"^[-+]?[0-9][0-9_]*(:[0-5]?[0-9])+(\.[0-9_]*)?$")
 _TRUTH = re.compile(r"^(yes|no|on|off)$", re.IGNORECASE)
 
+# what descriptions of links and joints begin with, after comments
+_DESCRIPTIONS = {"<robot": "a URDF", "<mujoco": "an MJCF"}
+
 
 class _Surprise(Exception):
     """What a line holds that would be read as something else."""
@@ -138,6 +141,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
         text = content.decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise RobotFileError(path, "", f"cannot be read ({error})", "a YAML file") from error
+    _refuse_description(path, text)
     if len(content) > LARGEST_FILE:
         raise RobotFileError(
             path, "", "is too large for a robot file", f"at most {LARGEST_FILE / 1e6:g} MB of YAML"
@@ -148,7 +152,38 @@ def read_yaml(path: Path) -> dict[str, Any]:
         raise RobotFileError(path, error.field, error.found, error.expected) from None
     except Exception as error:  # besides YAMLError all that int(), datetime and depth raise
         reason = " ".join(str(error).split())
-        raise RobotFileError(path, "", f"is not YAML ({reason})", "a YAML file") from error
+        expected = _without_tab(text, error) or "a YAML file"
+        raise RobotFileError(path, "", f"is not YAML ({reason})", expected) from error
     if not isinstance(document, dict):
         raise RobotFileError(path, "", "holds no mapping", "fields such as 'name', 'urdf'")
     return document
+
+
+def _refuse_description(path: Path, text: str) -> None:
+    """Refuse the description of links and joints where the robot file is asked for.
+
+    Raises:
+        RobotFileError: If it is one.
+    """
+    if not text.lstrip("\ufeff \t\r\n").startswith("<"):
+        return
+    kind = next((kind for mark, kind in _DESCRIPTIONS.items() if mark in text), "XML")
+    raise RobotFileError(
+        path,
+        "",
+        f"is {kind}, no robot file",
+        f"a robot file, YAML; 'tsd robot new {path} --feet LEFT,RIGHT' writes one for it",
+    )
+
+
+def _without_tab(text: str, error: Exception) -> str:
+    """Name the line that a tab makes no YAML; empty if none does."""
+    mark = getattr(error, "problem_mark", None)
+    lines = text.split("\n")
+    if mark is None or mark.line >= len(lines):
+        return ""
+    line = lines[mark.line]
+    indentation = line[: len(line) - len(line.lstrip())]
+    if "\t" not in indentation + line[mark.column : mark.column + 1]:
+        return ""
+    return f"spaces where line {mark.line + 1} has a tab"

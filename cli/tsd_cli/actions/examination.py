@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.actions.prepare import compile_with_activity
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.output import JsonOptions
-from tsd_cli.output import check_outputs, put_out
+from tsd_cli.output import STDOUT, check_outputs, put_out
 from tsd_clients.console.examination_tables import print_examination
 from tsd_clients.console.progress import show_activity, show_progress
 from tsd_clients.console.table import console
@@ -43,8 +44,23 @@ def check_robot_file(robot_file: str, pictures: Path | None, output: JsonOptions
     )
     if pictures is not None:
         _draw(robot, examination, pictures)
+    if examination.works and output.json_file != STDOUT:
+        _tell_next(robot_file, examination)
     if not examination.works:
         raise typer.Exit(CANNOT_WORK)
+
+
+def _tell_next(robot_file: str, examination: Examination) -> None:
+    """Write the commands that come next, to be copied."""
+    motions = [demands.motion.name for demands in examination.demands]
+    if not motions:
+        return
+    motion = "squat" if "squat" in motions else motions[0]
+    rest = f"{motion} --robot {shlex.quote(robot_file)} --controller local --model-error 0.1"
+    # not broken into lines
+    typer.echo(f"next: tsd simulate {rest}")
+    typer.echo("then, with 'tsd learner' in a second terminal:")
+    typer.echo(f"      tsd learn {rest} --rule stable --iterations 2")
 
 
 def _draw(robot: Robot, examination: Examination, folder: Path) -> None:

@@ -8,7 +8,7 @@ from tsd_casadi.motions.catalogue import find_motion, shipped_motions
 from tsd_casadi.motions.described import check_described
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.motions.parameter import Parameter
-from tsd_casadi.motions.ranges import range_of
+from tsd_casadi.motions.ranges import range_of, usual_of
 from tsd_casadi.repetition.repeat import usual_axes
 from tsd_casadi.robot.robot import load_robot
 from tsd_cli.interrupt import interruptible
@@ -41,9 +41,10 @@ def show_one(name: str, options: RobotOptions, output: JsonOptions) -> None:
     robot, kind = load_robot(options.robot), find_motion(name)
     check_described(robot, kind)
     described = _describe(kind)
-    ranges = [range_of(robot, kind, item) for item in kind.declaration().parameters]
-    for parameter, (low, high) in zip(described["parameters"], ranges, strict=True):
-        parameter["low"], parameter["high"] = low, high
+    for parameter, item in zip(described["parameters"], kind.declaration().parameters, strict=True):
+        parameter["low"], parameter["high"] = range_of(robot, kind, item)
+        taken = "usual" if item.default is None else "default"
+        parameter[taken] = usual_of(robot, kind, item)
     sample = kind(**{item.name: _sample(item) for item in kind.declaration().parameters})
     described |= {
         "robot": robot.name,

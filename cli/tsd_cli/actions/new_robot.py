@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -117,4 +118,4 @@ def _print(result: dict[str, Any]) -> None:
         for motion, ranges in result["motions"].items()
     ]
     typer.echo(f"  - {', '.join(motions) or 'no room for any motion'}")
-    typer.echo(f"look at it: tsd robot check {result['file']}")
+    typer.echo(f"next: tsd robot check {shlex.quote(result['file'])}")

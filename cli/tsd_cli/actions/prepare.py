@@ -14,7 +14,8 @@ from tsd_casadi.exceptions import InvalidValue, SimulationError
 from tsd_casadi.exceptions.did_you_mean import did_you_mean
 from tsd_casadi.motions.catalogue import find_motion
 from tsd_casadi.motions.motion import Motion
-from tsd_casadi.motions.ranges import check_motion
+from tsd_casadi.motions.parameter import Parameter
+from tsd_casadi.motions.ranges import check_motion, usual_of
 from tsd_casadi.repetition.center_of_mass_shift import CenterOfMassShift
 from tsd_casadi.repetition.compensator import Compensator
 from tsd_casadi.repetition.gains import Gains
@@ -36,15 +37,33 @@ from tsd_clients.simulator.simulator import MujocoSimulator
 
 
 def asked_motion(options: MotionOptions, robot: Robot) -> Motion:
-    """Make the motion of the options.
+    """Make the motion of the options; what was not said is as usual for the robot.
 
     Raises:
         InvalidValue: If there is none of that name, or the robot cannot do it.
     """
     kind = find_motion(options.motion)
-    motion = kind(**kind.declaration().complete(options.parameters))
+    declaration = kind.declaration()
+    parameters = dict(options.parameters)
+    for item in declaration.parameters:
+        if item.name in parameters:
+            continue
+        value = usual_of(robot, kind, item)
+        if value is not None:
+            parameters[item.name] = value
+            _tell_if_unusual(robot, item, value)
+    motion = kind(**declaration.complete(parameters))
     check_motion(robot, motion)
     return motion
+
+
+def _tell_if_unusual(robot: Robot, item: Parameter, value: float) -> None:
+    """Say that a robot's range does not hold what is usual."""
+    usual = item.usual if item.default is None else item.default
+    if usual is not None and value != usual:
+        end = "largest" if value < usual else "smallest"
+        text = f"{item.name} {value:g} {item.unit}".rstrip()
+        typer.echo(f"note: {text}, the {end} for {robot.name}", err=True)
 
 
 def chosen_axes(options: MotionOptions, robot: Robot, motion: Motion) -> tuple[str, ...]:

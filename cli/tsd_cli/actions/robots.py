@@ -35,7 +35,9 @@ def _describe(name: str) -> dict[str, Any]:
         empty: dict[str, list[str]] = {
             key: [] for key in ("joints", "contacts", "tasks", "motions")
         }
-        return {"name": name, **empty, "file": str(error.path), "missing": str(error)}
+        # without the file, which is another for each robot: the reason may be the same
+        missing = str(error).removeprefix(f"{error.path}: ")
+        return {"name": name, **empty, "file": str(error.path), "missing": missing}
     description = robot.description
     return {
         "name": robot.name,
@@ -65,13 +67,17 @@ def _print(robots: list[dict[str, Any]]) -> None:
 
     columns = [
         Column("robot", [robot["name"] for robot in robots], is_text=True),
-        Column("joints", [str(len(robot["joints"])) for robot in robots]),
+        # of what is not there nobody knows how many
+        Column("joints", [str(len(robot["joints"]) or "-") for robot in robots]),
         Column("contacts", listed("contacts"), rank=1, is_text=True),
         Column("tasks", listed("tasks"), rank=2, is_text=True),
         Column("motions", listed("motions"), is_text=True),
         Column("file", [robot["file"] for robot in robots], rank=3, is_text=True),
     ]
     print_table("", columns)
+    missing: dict[str, list[str]] = {}
     for robot in robots:
         if "missing" in robot:
-            console.print(f"{robot['name']}: {robot['missing']}", highlight=False, markup=False)
+            missing.setdefault(robot["missing"], []).append(robot["name"])
+    for reason, names in missing.items():
+        console.print(f"{', '.join(names)}: {reason}", highlight=False, markup=False)

@@ -20,7 +20,7 @@ def demo(
         typer.Option("--out", metavar="FOLDER", help="Folder for summary, logs and figures."),
     ] = Path("results/demo"),
 ) -> None:
-    """Show everything: services, learning, lower gains, generalisation (about 3 minutes).
+    """Show everything: services, learning, lower gains, generalisation (3 to 5 minutes).
 
     tsd demo
     """

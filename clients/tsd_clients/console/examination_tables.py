@@ -20,16 +20,20 @@ def print_examination(name: str, examination: Mapping[str, Any]) -> None:
         examination: From ``Examination.plain``.
     """
     motions = examination["motions"]
+    frequencies = {each["parameters"]["frequency"] for each in motions}
+    # said once, it leaves room for the joints' names
+    common = frequencies.pop() if len(frequencies) == 1 else None
+    at = "" if common is None else f" at {common:.3g} Hz"
     print_table(
-        f"{name}: the ends of its motions' ranges, over a lap",
+        f"{name}: the ends of its motions' ranges, over a lap{at}",
         [
-            Column("motion", [_motion(each) for each in motions], is_text=True),
-            Column("joint limit\nleft, rad", [_part(each, "joint", 1.0, 2) for each in motions]),
+            Column("motion", [_motion(each, common) for each in motions], is_text=True),
+            Column("to limit,\nrad", [_part(each, "joint", 1.0, 2) for each in motions]),
             Column("nearest", [_of(each, "joint") for each in motions], rank=1, is_text=True),
             Column("torque\n%", [_part(each, "torque", 100.0, 0) for each in motions]),
-            Column("joint", [_of(each, "torque") for each in motions], rank=3, is_text=True),
-            Column("friction\n%", [_part(each, "friction", 100.0, 0) for each in motions], rank=2),
-            Column("feet left\nmm", [_pressure(each) for each in motions]),
+            Column("joint", [_of(each, "torque") for each in motions], rank=2, is_text=True),
+            Column("friction\n%", [_part(each, "friction", 100.0, 0) for each in motions], rank=3),
+            Column("inside\nfeet, mm", [_pressure(each) for each in motions]),
         ],
     )
     console.print()
@@ -46,8 +50,12 @@ def print_examination(name: str, examination: Mapping[str, Any]) -> None:
     console.print(f"{name} {verdict}: {errors} errors, {others} warnings and notes")
 
 
-def _motion(motion: Mapping[str, Any]) -> str:
-    values = (f"{name}={value:.3g}" for name, value in motion["parameters"].items() if value)
+def _motion(motion: Mapping[str, Any], common: float | None) -> str:
+    values = (
+        f"{name}={value:.3g}"
+        for name, value in motion["parameters"].items()
+        if value and (name != "frequency" or common is None)
+    )
     return escape(" ".join([motion["motion"], *values]))
 
 

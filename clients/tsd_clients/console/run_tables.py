@@ -7,11 +7,13 @@ from typing import Any
 
 from rich.markup import escape
 
-from tsd_clients.console.table import Column, print_table
+from tsd_clients.console.table import Column, console, print_table
 
 
 def print_runs(title: str, summaries: Sequence[Mapping[str, Any]]) -> None:
-    """Print runs, one axis of one run per row.
+    """Print runs, one axis of one run per row, and when and after what a robot fell.
+
+    Without any measured lap there is no table.
 
     Args:
         title: Above the table.
@@ -48,7 +50,22 @@ def print_runs(title: str, summaries: Sequence[Mapping[str, Any]]) -> None:
     if several:  # what the iterations are ranked by: of one axis it is P times the RMS
         ranks = of_run(lambda run: number_text(run["rank"], 1.0, 5))
         columns.append(Column("rank\nm/s²", ranks, rank=4))
-    print_table(title, columns)
+    fallen = [summary for summary in summaries if summary["fell"]]
+    if any(summary["laps_measured"] for summary in summaries) or not fallen:
+        print_table(title, columns)
+    for summary in fallen:
+        console.print(f"{summary['label']}: {_fall(summary)}", markup=False, highlight=False)
+
+
+def _fall(summary: Mapping[str, Any]) -> str:
+    parts = [f"fell at t = {summary['fell_at']:.2f} s"]
+    if not summary["laps_measured"]:
+        parts.append("before a lap could be measured")
+    parts += [f"{count} {status} ticks" for status, count in summary["failures"].items()]
+    parts += [f"{count} periods missed, {why}" for why, count in summary["missed"].items()]
+    if not summary["failures"] and not summary["missed"]:
+        parts.append("every tick was solved")
+    return ", ".join(parts)
 
 
 def print_goals(goals: Sequence[Mapping[str, Any]]) -> None:

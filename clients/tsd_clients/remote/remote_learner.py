@@ -25,6 +25,10 @@ from tsd_casadi.wire.suggestion import SuggestionMessage
 from tsd_casadi.wire.zenoh_file import ZenohFile
 from tsd_clients.remote.session import Session
 
+# some rules fit the loop's response to all repetitions before they answer: 0.3 s alone,
+# several seconds on a machine whose cores are taken [s]
+RECORDING = 30.0
+
 
 class RemoteLearner:
     """Records with and asks a learner service."""
@@ -153,10 +157,14 @@ class RemoteLearner:
             The entry as it is now, and remarks for the user.
 
         Raises:
+            ServiceBusy: If the learner is there but did not answer in time; it may
+                have recorded all the same.
             TsdError: What ``Database.record`` raises.
         """
         payload = RecordMessage.of(recording, instruction).encode()
-        body = self._session.query_one(record_key(recording.key.robot), payload=payload)
+        body = self._session.query_one(
+            record_key(recording.key.robot), payload=payload, timeout=RECORDING
+        )
         reply = RecordReply.decode(body)
         return reply.entry, reply.notes
 

@@ -9,22 +9,19 @@ from typing import Any
 
 import zenoh
 
-from tsd_casadi.exceptions import (
-    InvalidValue,
-    MalformedMessage,
-    ServiceUnreachable,
-    TwoServices,
-)
+from tsd_casadi.exceptions import InvalidValue, MalformedMessage, ServiceUnreachable, TwoServices
 from tsd_casadi.wire.certificates import Certificates
 from tsd_casadi.wire.endpoints import check_endpoint
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import alive_key
 from tsd_casadi.wire.session_settings import configure_runtime, session_settings
 from tsd_casadi.wire.zenoh_file import ZenohFile
-from tsd_clients.remote.silence import explain_silence
+from tsd_clients.remote.silence import explain_silence, silence_of
 
 # how long a service may take to appear after a client started
 PATIENCE = 5.0  # s
+# for an answer; what a service has to compute takes a second or so on a busy machine
+ANSWER = 10.0  # s
 
 
 class Session:
@@ -113,7 +110,7 @@ class Session:
         *,
         parameters: dict[str, str] | None = None,
         payload: bytes | None = None,
-        timeout: float = 10.0,
+        timeout: float = ANSWER,
     ) -> list[bytes]:
         """Ask all services on a key.
 
@@ -127,7 +124,8 @@ class Session:
 
         Raises:
             TsdError: What a service replied with, as the class that the library raises.
-            ServiceUnreachable: If nobody answered in time.
+            ServiceBusy: If a service that is there did not answer in time.
+            ServiceUnreachable: If nobody is there to answer.
         """
         try:
             replies = self.zenoh.get(
@@ -139,8 +137,7 @@ class Session:
             )
         except zenoh.ZError as error:
             raise ServiceUnreachable(self.role, self.endpoints, str(error)) from error
-        bodies = []
-        words = "no reply"
+        bodies, words = [], "no reply"
         for reply in replies:
             try:
                 bodies.append(self.body_of(reply))
@@ -148,29 +145,34 @@ class Session:
                 # of one of them: another may have answered
                 words = f"no reply in {timeout:g} s"
         if not bodies:
-            raise ServiceUnreachable(
-                self.role, self.endpoints, f"{words}; {explain_silence(self.endpoints)}"
-            )
+            raise silence_of(self.role, self.endpoints, words, timeout if self.alive() else None)
         return bodies
 
     def query_one(
-        self, key: str, *, parameters: dict[str, str] | None = None, payload: bytes | None = None
+        self,
+        key: str,
+        *,
+        parameters: dict[str, str] | None = None,
+        payload: bytes | None = None,
+        timeout: float = ANSWER,
     ) -> bytes:
         """Ask the only service on a key.
 
         Args:
             parameters: Parameters of the selector.
             payload: Body of the query.
+            timeout: How long to wait [s].
 
         Returns:
             The body of its reply.
 
         Raises:
             TsdError: What it replied with, as the class that the library raises.
-            ServiceUnreachable: If nobody answered in time.
+            ServiceBusy: If it is there but did not answer in time.
+            ServiceUnreachable: If nobody is there to answer.
             TwoServices: If more than one answered.
         """
-        bodies = self.query(key, parameters=parameters, payload=payload)
+        bodies = self.query(key, parameters=parameters, payload=payload, timeout=timeout)
         if len(bodies) > 1:
             raise TwoServices(
                 f"{len(bodies)} {self.role}s answer at {', '.join(self.endpoints)}; stop all "

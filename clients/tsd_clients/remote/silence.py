@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from socket import create_connection
 
-from tsd_casadi.exceptions import RunDirectoryUnusable
+from tsd_casadi.exceptions import RunDirectoryUnusable, ServiceBusy, ServiceUnreachable
 from tsd_casadi.wire.endpoints import is_of_this_machine
 from tsd_casadi.wire.run_directory import is_stopped, running
 from tsd_casadi.wire.run_record import RunRecord
@@ -22,6 +22,23 @@ def explain_silence(endpoints: Sequence[str]) -> str:
         endpoints: Where nobody answered.
     """
     return "; ".join(_explain(endpoint) for endpoint in endpoints)
+
+
+def silence_of(
+    role: str, endpoints: Sequence[str], words: str, waited: float | None
+) -> ServiceUnreachable:
+    """Make the error for a service that did not answer a question.
+
+    Args:
+        endpoints: Where it was looked for.
+        words: What is known of the silence.
+        waited: For how long it was waited for it, if it is there [s]; None if it is not.
+    """
+    records = [_record_at(endpoint) for endpoint in endpoints]
+    is_frozen = any(record is not None and is_stopped(record.pid) for record in records)
+    if waited is None or is_frozen:
+        return ServiceUnreachable(role, endpoints, f"{words}; {explain_silence(endpoints)}")
+    return ServiceBusy(role, endpoints, waited)
 
 
 def _explain(endpoint: str) -> str:

@@ -14,6 +14,7 @@ from typing import Any
 from tsd_casadi.compilation.compile_controller import compile_controller
 from tsd_casadi.controller.controller import Controller
 from tsd_casadi.robot.robot import Robot, load_robot
+from tsd_casadi.single_thread import use_single_thread
 from tsd_experiments.harness.duration import Span
 from tsd_experiments.harness.job import Job, Result
 from tsd_experiments.harness.outcome import Outcome
@@ -61,7 +62,7 @@ def _finished(jobs: Sequence[Job], robot: Robot) -> Iterator[_Finished]:
     if not local:
         return
     # one thread per worker: matrices are small, and every core has a worker
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    use_single_thread()
     path = str(robot.path)
     with ProcessPoolExecutor(
         cores(), mp_context=get_context("spawn"), initializer=_leave_interrupts
