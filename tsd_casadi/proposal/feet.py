@@ -6,12 +6,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+import pinocchio
 
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.exceptions.did_you_mean import nearest
-from tsd_casadi.proposal.body import Body
 from tsd_casadi.robot.rigid_body_model import RigidBodyModel
+from tsd_casadi.state import Vector
+
+# a leg with fewer joints cannot place a sole flat
+LEAST_JOINTS = 3
+# of the robot's height: hands that hang lower than bent legs do so by less
+HIGHER = 0.15
 
 
 def find_foot(bodies: RigidBodyModel, source: Path, foot: str) -> int:
@@ -21,15 +26,80 @@ def find_foot(bodies: RigidBodyModel, source: Path, foot: str) -> int:
         Index of its frame.
 
     Raises:
-        RobotFileError: If there is none; it names the nearest.
+        RobotFileError: If there is none; it names the ends of the legs, and the nearest.
     """
     index = bodies.find_frame(foot)
     if index is None:
         names = [frame.name for frame in list(bodies.model.frames)[2:]]
+        model = bodies.model
+        ends = _ends(bodies, pinocchio.neutral(model))[:2]
+        # seen from a base whose axes are not upright these may be others: hence both
+        legs = f"the lowest ends of chains are {_names(bodies, ends)}; " if len(ends) == 2 else ""
         raise RobotFileError(
-            source, "--feet", f"'{foot}' is no link or frame", nearest(foot, names)
+            source, "--feet", f"'{foot}' is no link or frame", legs + nearest(foot, names)
         )
     return index
+
+
+def check_lowest(
+    bodies: RigidBodyModel,
+    path: Path,
+    feet: tuple[str, str],
+    joints: Sequence[int],
+    q: Vector,
+) -> None:
+    """Refuse feet above two other ends of chains, such as hands.
+
+    Args:
+        joints: Indices of the joints that carry the feet.
+        q: Configuration that is upright, (nq,).
+
+    Raises:
+        RobotFileError: If both are; it names the other two.
+    """
+    heights = _heights(bodies.model, q)
+    lowest = min(heights[j] for j in joints)
+    margin = HIGHER * (max(heights.values()) - min(heights.values()))
+    below = [j for j in _ends(bodies, q) if j not in joints and heights[j] < lowest - margin]
+    if len(below) < 2:
+        return
+    legs = _names(bodies, below[:2])
+    raise RobotFileError(
+        path,
+        "--feet",
+        f"{feet[0]} and {feet[1]} end arms rather than legs, {legs} are lower by "
+        f"{lowest - max(heights[j] for j in below[:2]):.2f} m",
+        f"the lowest links, perhaps --feet {legs.replace(' and ', ',')}",
+    )
+
+
+def _ends(bodies: RigidBodyModel, q: Vector) -> list[int]:
+    """List the last joints of chains as long as legs, the lowest first."""
+    model = bodies.model
+    parents = set(model.parents)
+    heights = _heights(model, q)
+    ends = [
+        j
+        for j in range(2, model.njoints)
+        if j not in parents and len(list(model.supports[j])) - 2 >= LEAST_JOINTS
+    ]
+    return sorted(ends, key=lambda j: heights[j])
+
+
+def _names(bodies: RigidBodyModel, joints: Sequence[int]) -> str:
+    """Name the links of two joints, the left one first where x is ahead."""
+    model, data = bodies.model, bodies.model.createData()
+    pinocchio.forwardKinematics(model, data, pinocchio.neutral(model))
+    return " and ".join(
+        bodies.link_of(j) for j in sorted(joints, key=lambda j: -float(data.oMi[j].translation[1]))
+    )
+
+
+def _heights(model: Any, q: Vector) -> dict[int, float]:
+    """Compute how high the joints are, by index [m]."""
+    data = model.createData()
+    pinocchio.forwardKinematics(model, data, q)
+    return {j: float(data.oMi[j].translation[2]) for j in range(1, model.njoints)}
 
 
 def check_feet(model: Any, path: Path, feet: tuple[str, str], joints: Sequence[int]) -> None:
@@ -58,20 +128,3 @@ def check_feet(model: Any, path: Path, feet: tuple[str, str], joints: Sequence[i
             )
     if joints[0] == joints[1]:
         raise RobotFileError(path, "--feet", "are one and the same body", "two that move apart")
-
-
-def describe_soles(body: Body, feet: tuple[str, str]) -> list[str]:
-    """Say what was found under the feet, a line each."""
-    notes = []
-    for side, foot, sole in zip(("left", "right"), feet, body.soles, strict=True):
-        size = f"{1e3 * np.ptp(sole.x):.0f} mm x {1e3 * np.ptp(sole.y):.0f} mm"
-        where = f"at frame {sole.frame}" if sole.is_frame else f"under {sole.frame}"
-        notes.append(f"{side} sole: {size} {where}, from its {sole.source} geometry")
-        if sole.source == "visual":
-            notes.append(f"{foot} has no flat collision geometry: what is drawn was taken")
-        if 2e-3 < abs(sole.named_height) < 0.02 and sole.frame == foot and not sole.is_frame:
-            notes.append(f"{foot} is {1e3 * sole.named_height:.1f} mm above its lowest flat patch")
-    heel, toe = (abs(float(extent)) for extent in body.soles[0].from_ankle)
-    if heel > 1.2 * toe:
-        notes.append("the heels are longer than the toes: is LEFT really the left foot?")
-    return notes

@@ -14,13 +14,15 @@ from tsd_casadi.proposal.efforts import assumed_limits
 from tsd_casadi.proposal.gains import scale_gains
 from tsd_casadi.proposal.home_posture import GOOD_ENOUGH, HomePosture, find_home_posture
 from tsd_casadi.proposal.motion_ranges import propose_ranges
-from tsd_casadi.proposal.posed import LEAST_BEND, LEAST_MARGIN
+from tsd_casadi.proposal.posed import LARGEST_SHARE, LEAST_BEND, LEAST_MARGIN
 from tsd_casadi.proposal.robot_file_text import robot_file_text
 from tsd_casadi.proposal.source_path import path_in_file
 from tsd_casadi.proposal.survey import Survey, survey
 
 # what a proposal is made in, for whoever shows progress
 STEPS = ("description", "home posture", "ranges of motions", "file")
+# more names than these are counted
+FEW = 6
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,7 @@ class Proposal:
         survey: Of the description.
         home: Where the robot stands.
         ranges: (low, high) by motion and parameter.
+        problems: Why the file is of no use as it is, a line each; usually none.
     """
 
     name: str
@@ -42,6 +45,7 @@ class Proposal:
     survey: Survey
     home: HomePosture
     ranges: dict[str, dict[str, tuple[float, float]]]
+    problems: list[str]
 
 
 def propose_robot_file(
@@ -70,6 +74,14 @@ def propose_robot_file(
     progress(1, total)
     home = find_home_posture(found.body)
     if home is None:
+        odd = [*found.suspicions, *found.mistakes]
+        if odd:
+            raise RobotFileError(
+                source,
+                "",
+                f"leads to no posture that the robot can crouch in; what is odd: {'; '.join(odd)}",
+                "other numbers there",
+            )
         raise RobotFileError(
             source,
             "joint limits",
@@ -85,8 +97,28 @@ def propose_robot_file(
     efforts = assumed_limits(found.body, home)
     text = robot_file_text(name, named, found, home, scale_gains(found.body, home), ranges, efforts)
     progress(4, total)
-    notes = [*found.notes, *_about_home(found, home), *_about_efforts(efforts)]
-    return Proposal(name, text, notes, found, home, ranges)
+    notes = [
+        *found.notes,
+        *_about_home(found, home),
+        *_about_efforts(efforts),
+        *found.suspicions,
+    ]
+    return Proposal(name, text, notes, found, home, ranges, _problems(found, home, ranges))
+
+
+def _problems(
+    found: Survey, home: HomePosture, ranges: dict[str, dict[str, tuple[float, float]]]
+) -> list[str]:
+    problems = list(found.mistakes)
+    if not ranges:
+        posed = home.posed
+        problems.append(
+            f"no room for any motion: home keeps {posed.margin:.2f} rad to the nearest limit "
+            f"({LEAST_MARGIN:g} are needed), bends the knees by {posed.bend:.2f} rad "
+            f"({LEAST_BEND:g}) and takes {100 * posed.share:.0f} % of a joint's torque "
+            f"({100 * LARGEST_SHARE:.0f} at most); look at limits, masses and soles"
+        )
+    return problems
 
 
 def name_for(text: str) -> str:
@@ -124,8 +156,13 @@ def _about_efforts(efforts: dict[str, float]) -> list[str]:
         return []
     return [
         f"torque limits of {len(efforts)} joints are ASSUMED, the description has none: put in "
-        "those of the motors ('effort' in the file)"
+        f"those of the motors ('effort' in the file): {_some(efforts)}"
     ]
+
+
+def _some(joints: dict[str, float]) -> str:
+    more = f" and {len(joints) - FEW} more" if len(joints) > FEW else ""
+    return ", ".join(list(joints)[:FEW]) + more
 
 
 def _leg_limits(found: Survey) -> list[str]:

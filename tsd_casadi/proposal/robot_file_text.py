@@ -12,8 +12,10 @@ from tsd_casadi.proposal.changes_text import changes_text
 from tsd_casadi.proposal.gains import Gains
 from tsd_casadi.proposal.home_posture import HomePosture
 from tsd_casadi.proposal.inverse_statics import FRICTION
+from tsd_casadi.proposal.motion_ranges import MOTIONS, SMALLEST
 from tsd_casadi.proposal.posed import P_COM, P_POSTURE
-from tsd_casadi.proposal.survey import INSIDE, Survey
+from tsd_casadi.proposal.soles import INSIDE
+from tsd_casadi.proposal.survey import Survey
 from tsd_casadi.proposal.yaml_text import DIGITS, key_text, list_text, number_text
 from tsd_casadi.robot.sole_patch import SolePatch
 
@@ -165,8 +167,6 @@ def _weights(gains: Gains) -> list[str]:
 
 
 def _motions(ranges: Mapping[str, Mapping[str, tuple[float, float]]]) -> list[str]:
-    if not ranges:
-        return []
     lines = [
         "# Over these ranges every joint keeps 0.1 rad to its limits and the knees stay bent by",
         "# 0.6 rad, with the sag of a model that is 10 % wrong. [m, rad, Hz]",
@@ -175,4 +175,9 @@ def _motions(ranges: Mapping[str, Mapping[str, tuple[float, float]]]) -> list[st
     for motion, parameters in ranges.items():
         lines.append(f"  {motion}:")
         lines += [f"    {name}: {list_text(ends)}" for name, ends in parameters.items()]
+    without = [motion for motion in MOTIONS if motion not in ranges]
+    if without:
+        # left out, they would get what inverse kinematics reaches, without the margins
+        lines += ["  # NO ROOM was found for these: the smallest range that a file can have."]
+        lines += [f"  {motion}: {{amplitude: {list_text((0.0, SMALLEST))}}}" for motion in without]
     return lines
