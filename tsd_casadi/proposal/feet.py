@@ -6,17 +6,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pinocchio
 
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.exceptions.did_you_mean import nearest
 from tsd_casadi.robot.rigid_body_model import RigidBodyModel
-from tsd_casadi.state import Vector
 
 # a leg with fewer joints cannot place a sole flat
 LEAST_JOINTS = 3
-# of the robot's height: hands that hang lower than bent legs do so by less
-HIGHER = 0.15
 
 
 def find_foot(bodies: RigidBodyModel, source: Path, foot: str) -> int:
@@ -31,75 +29,47 @@ def find_foot(bodies: RigidBodyModel, source: Path, foot: str) -> int:
     index = bodies.find_frame(foot)
     if index is None:
         names = [frame.name for frame in list(bodies.model.frames)[2:]]
-        model = bodies.model
-        ends = _ends(bodies, pinocchio.neutral(model))[:2]
-        # seen from a base whose axes are not upright these may be others: hence both
-        legs = f"the lowest ends of chains are {_names(bodies, ends)}; " if len(ends) == 2 else ""
+        legs = _heaviest_ends(bodies)
+        ends = f"the legs seem to end in {_names(bodies, legs)}; " if len(legs) == 2 else ""
         raise RobotFileError(
-            source, "--feet", f"'{foot}' is no link or frame", legs + nearest(foot, names)
+            source, "--feet", f"'{foot}' is no link or frame", ends + nearest(foot, names)
         )
     return index
 
 
-def check_lowest(
-    bodies: RigidBodyModel,
-    path: Path,
-    feet: tuple[str, str],
-    joints: Sequence[int],
-    q: Vector,
-) -> None:
-    """Refuse feet above two other ends of chains, such as hands.
+def check_legs(bodies: RigidBodyModel, path: Path, feet: tuple[str, str]) -> None:
+    """Refuse feet at the ends of arms.
 
-    Args:
-        joints: Indices of the joints that carry the feet.
-        q: Configuration that is upright, (nq,).
+    Arms are lighter than legs, and the middle between hands is nearer to the centre of
+    mass than that between feet; which way is up is not known yet.
 
     Raises:
-        RobotFileError: If both are; it names the other two.
+        RobotFileError: If two other chains are both heavier and reach further; it names
+            their ends.
     """
-    heights = _heights(bodies.model, q)
-    lowest = min(heights[j] for j in joints)
-    margin = HIGHER * (max(heights.values()) - min(heights.values()))
-    below = [j for j in _ends(bodies, q) if j not in joints and heights[j] < lowest - margin]
-    if len(below) < 2:
-        return
-    legs = _names(bodies, below[:2])
-    raise RobotFileError(
-        path,
-        "--feet",
-        f"{feet[0]} and {feet[1]} end arms rather than legs, {legs} are lower by "
-        f"{lowest - max(heights[j] for j in below[:2]):.2f} m",
-        f"the lowest links, perhaps --feet {legs.replace(' and ', ',')}",
-    )
-
-
-def _ends(bodies: RigidBodyModel, q: Vector) -> list[int]:
-    """List the last joints of chains as long as legs, the lowest first."""
-    model = bodies.model
-    parents = set(model.parents)
-    heights = _heights(model, q)
-    ends = [
-        j
-        for j in range(2, model.njoints)
-        if j not in parents and len(list(model.supports[j])) - 2 >= LEAST_JOINTS
-    ]
-    return sorted(ends, key=lambda j: heights[j])
-
-
-def _names(bodies: RigidBodyModel, joints: Sequence[int]) -> str:
-    """Name the links of two joints, the left one first where x is ahead."""
     model, data = bodies.model, bodies.model.createData()
-    pinocchio.forwardKinematics(model, data, pinocchio.neutral(model))
-    return " and ".join(
-        bodies.link_of(j) for j in sorted(joints, key=lambda j: -float(data.oMi[j].translation[1]))
-    )
+    q = pinocchio.neutral(model)
+    com = pinocchio.centerOfMass(model, data, q)
+    joints = [model.frames[find_foot(bodies, path, foot)].parentJoint for foot in feet]
+    legs = _heaviest_ends(bodies)
+    chains = {j for leg in legs for j in list(model.supports[leg])} - {0, 1}
+    if len(legs) < 2 or 1 in joints or chains & set(joints):
+        return
 
+    def reach(pair: Sequence[int]) -> float:
+        middle = 0.5 * (data.oMi[pair[0]].translation + data.oMi[pair[1]].translation)
+        return float(np.linalg.norm(middle - com))
 
-def _heights(model: Any, q: Vector) -> dict[int, float]:
-    """Compute how high the joints are, by index [m]."""
-    data = model.createData()
-    pinocchio.forwardKinematics(model, data, q)
-    return {j: float(data.oMi[j].translation[2]) for j in range(1, model.njoints)}
+    if reach(legs) > reach(joints):
+        leftwards = data.oMi[joints[0]].translation - data.oMi[joints[1]].translation
+        names = _names(bodies, legs, leftwards)
+        raise RobotFileError(
+            path,
+            "--feet",
+            f"{feet[0]} and {feet[1]} are at the ends of arms: {names} end heavier chains "
+            "that reach further",
+            f"the last links of both legs, perhaps --feet {names.replace(' and ', ',')}",
+        )
 
 
 def check_feet(model: Any, path: Path, feet: tuple[str, str], joints: Sequence[int]) -> None:
@@ -128,3 +98,33 @@ def check_feet(model: Any, path: Path, feet: tuple[str, str], joints: Sequence[i
             )
     if joints[0] == joints[1]:
         raise RobotFileError(path, "--feet", "are one and the same body", "two that move apart")
+
+
+def _heaviest_ends(bodies: RigidBodyModel) -> list[int]:
+    """Find the last joints of the two heaviest chains without branches, the legs' probably."""
+    model, data = bodies.model, bodies.model.createData()
+    pinocchio.computeSubtreeMasses(model, data)
+    parents = list(model.parents)
+    chains = {}
+    for end in range(2, model.njoints):
+        if end in parents or len(list(model.supports[end])) - 2 < LEAST_JOINTS:
+            continue
+        first = end
+        while parents[first] > 1 and parents.count(parents[first]) == 1:
+            first = parents[first]
+        chains[end] = float(data.mass[first])
+    return sorted(chains, key=lambda end: -chains[end])[:2]
+
+
+def _names(
+    bodies: RigidBodyModel, joints: Sequence[int], leftwards: Sequence[float] = (0.0, 1.0, 0.0)
+) -> str:
+    """Name the links of two joints, the left one first.
+
+    Args:
+        leftwards: Direction in the base's frame, (3,).
+    """
+    model, data = bodies.model, bodies.model.createData()
+    pinocchio.forwardKinematics(model, data, pinocchio.neutral(model))
+    ordered = sorted(joints, key=lambda j: -float(data.oMi[j].translation @ np.array(leftwards)))
+    return " and ".join(bodies.link_of(j) for j in ordered)

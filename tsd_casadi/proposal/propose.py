@@ -14,7 +14,7 @@ from tsd_casadi.proposal.efforts import assumed_limits
 from tsd_casadi.proposal.gains import scale_gains
 from tsd_casadi.proposal.home_posture import GOOD_ENOUGH, HomePosture, find_home_posture
 from tsd_casadi.proposal.motion_ranges import propose_ranges
-from tsd_casadi.proposal.posed import LARGEST_SHARE, LEAST_BEND, LEAST_MARGIN
+from tsd_casadi.proposal.posed import LARGEST_SHARE, LEAST_BEND, LEAST_MARGIN, SAG
 from tsd_casadi.proposal.robot_file_text import robot_file_text
 from tsd_casadi.proposal.source_path import path_in_file
 from tsd_casadi.proposal.survey import Survey, survey
@@ -111,12 +111,13 @@ def _problems(
 ) -> list[str]:
     problems = list(found.mistakes)
     if not ranges:
-        posed = home.posed
+        free = 1e3 * (home.amplitude + SAG)
         problems.append(
-            f"no room for any motion: home keeps {posed.margin:.2f} rad to the nearest limit "
-            f"({LEAST_MARGIN:g} are needed), bends the knees by {posed.bend:.2f} rad "
-            f"({LEAST_BEND:g}) and takes {100 * posed.share:.0f} % of a joint's torque "
-            f"({100 * LARGEST_SHARE:.0f} at most); look at limits, masses and soles"
+            f"there is no room for any motion: with {LEAST_MARGIN:g} rad to every limit, knees "
+            f"bent by {LEAST_BEND:g} rad and {100 * LARGEST_SHARE:.0f} % of the torques home "
+            f"leaves {free:.0f} mm up and down, of which the sag of a model that is 10 % wrong "
+            f"takes {1e3 * SAG:.0f} mm; look at these limits, at masses and soles: "
+            + ", ".join(_leg_limits(found))
         )
     return problems
 

@@ -15,7 +15,7 @@ import pinocchio
 from tsd_casadi.proposal.arms import body_height
 from tsd_casadi.proposal.body import Body, upright_neutral
 from tsd_casadi.proposal.efforts import known_limits
-from tsd_casadi.proposal.feet import check_feet, check_lowest, find_foot
+from tsd_casadi.proposal.feet import check_feet, check_legs, find_foot
 from tsd_casadi.proposal.joints import check_followers, check_joints, fill_efforts, odd_limits
 from tsd_casadi.proposal.locks import (
     Locks,
@@ -155,10 +155,10 @@ def _stand_up(
     model, path = bodies.model, description.path
     frames = [find_foot(bodies, path, foot) for foot in feet]
     joints = [model.frames[frame].parentJoint for frame in frames]
+    check_legs(bodies, path, feet)
     check_feet(model, path, feet, joints)
     upright = find_upright(path, model, (frames[0], frames[1]))
     q = upright_neutral(model, upright)
-    check_lowest(bodies, path, feet, joints, q)
     soles, missing = find_soles(bodies, path, frames, q)
     sole_frames = tuple(
         _add_frame(model, f"{side} sole of a proposal", sole)
