@@ -161,7 +161,9 @@ def test_what_is_named_wrongly_is_told(
 
 def test_feet_in_the_other_order_are_told(small_humanoid: Write) -> None:
     proposal, _ = propose(small_humanoid(), feet=("right_foot", "left_foot"))
-    assert any("is LEFT really the left foot" in note for note in proposal.notes)
+    (problem,) = proposal.problems
+    assert "is LEFT really the left foot" in problem
+    assert "--feet left_foot,right_foot" in problem
 
 
 def test_a_description_above_the_file_is_refused(tmp_path: Path) -> None:

@@ -14,7 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tsd_casadi.exceptions import RobotFileError
-from tsd_casadi.proposal.survey import INSIDE, survey
+from tsd_casadi.proposal.soles import INSIDE
+from tsd_casadi.proposal.survey import survey
 from tsd_casadi.robot.convex_polygon import area, hull, largest_rectangle
 from tsd_casadi.robot.sole_patch import FLATNESS, SolePatch
 

@@ -7,15 +7,11 @@ by the rest, and comes to light when the joint between them is set free.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from xml.etree import ElementTree
-
-import numpy as np
 
 from tsd_casadi.examination.finding import Finding
 from tsd_casadi.robot.description import Description
-from tsd_casadi.robot.inertias import Written, override_lines, what_is_wrong
+from tsd_casadi.robot.inertias import override_lines, what_is_wrong, written_inertia
 
-ENTRIES = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
 # what carries an inertia that is no number, or a sensor's frame with next to no mass,
 # moves nothing [kg]
 SLIGHT = 0.02
@@ -30,7 +26,7 @@ def impossible_links(description: Description, robot_file: str) -> Iterator[Find
     if description.kind != "urdf":
         return
     for name, link in description.links().items():
-        inertia = _inertia(link)
+        inertia = written_inertia(link)
         if inertia is None:
             continue
         wrong = what_is_wrong(inertia)
@@ -43,14 +39,3 @@ def impossible_links(description: Description, robot_file: str) -> Iterator[Find
             wrong,
             f"in {robot_file}: {override_lines(name, inertia)}",
         )
-
-
-def _inertia(link: ElementTree.Element) -> Written | None:
-    inertial = link.find("inertial")
-    mass, moments = (
-        None if inertial is None else inertial.find(tag) for tag in ("mass", "inertia")
-    )
-    if mass is None or moments is None:
-        return None
-    matrix = np.array([[float(moments.get(name, 0.0)) for name in row] for row in ENTRIES])
-    return Written(float(mass.get("value", 0.0)), np.zeros(3), matrix)

@@ -13,6 +13,8 @@ from tsd_casadi.state import Vector
 
 # a limit this large is none [N m]
 UNKNOWN = 1e6
+# what stands for one that is not written
+NONE = 1e9
 # of the torque that crouching takes: motors of the public humanoids have 3 to 6 times as much
 SPARE = 5.0
 # of weight times height of the centre of mass, for joints that crouching does not load: a

@@ -7,11 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio
 
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.exceptions.did_you_mean import nearest
-from tsd_casadi.proposal.body import Body
 from tsd_casadi.robot.rigid_body_model import RigidBodyModel
+
+# a leg with fewer joints cannot place a sole flat
+LEAST_JOINTS = 3
 
 
 def find_foot(bodies: RigidBodyModel, source: Path, foot: str) -> int:
@@ -21,15 +24,52 @@ def find_foot(bodies: RigidBodyModel, source: Path, foot: str) -> int:
         Index of its frame.
 
     Raises:
-        RobotFileError: If there is none; it names the nearest.
+        RobotFileError: If there is none; it names the ends of the legs, and the nearest.
     """
     index = bodies.find_frame(foot)
     if index is None:
         names = [frame.name for frame in list(bodies.model.frames)[2:]]
+        legs = _heaviest_ends(bodies)
+        ends = f"the legs seem to end in {_names(bodies, legs)}; " if len(legs) == 2 else ""
         raise RobotFileError(
-            source, "--feet", f"'{foot}' is no link or frame", nearest(foot, names)
+            source, "--feet", f"'{foot}' is no link or frame", ends + nearest(foot, names)
         )
     return index
+
+
+def check_legs(bodies: RigidBodyModel, path: Path, feet: tuple[str, str]) -> None:
+    """Refuse feet at the ends of arms.
+
+    Arms are lighter than legs, and the middle between hands is nearer to the centre of
+    mass than that between feet; which way is up is not known yet.
+
+    Raises:
+        RobotFileError: If two other chains are both heavier and reach further; it names
+            their ends.
+    """
+    model, data = bodies.model, bodies.model.createData()
+    q = pinocchio.neutral(model)
+    com = pinocchio.centerOfMass(model, data, q)
+    joints = [model.frames[find_foot(bodies, path, foot)].parentJoint for foot in feet]
+    legs = _heaviest_ends(bodies)
+    chains = {j for leg in legs for j in list(model.supports[leg])} - {0, 1}
+    if len(legs) < 2 or 1 in joints or chains & set(joints):
+        return
+
+    def reach(pair: Sequence[int]) -> float:
+        middle = 0.5 * (data.oMi[pair[0]].translation + data.oMi[pair[1]].translation)
+        return float(np.linalg.norm(middle - com))
+
+    if reach(legs) > reach(joints):
+        leftwards = data.oMi[joints[0]].translation - data.oMi[joints[1]].translation
+        names = _names(bodies, legs, leftwards)
+        raise RobotFileError(
+            path,
+            "--feet",
+            f"{feet[0]} and {feet[1]} are at the ends of arms: {names} end heavier chains "
+            "that reach further",
+            f"the last links of both legs, perhaps --feet {names.replace(' and ', ',')}",
+        )
 
 
 def check_feet(model: Any, path: Path, feet: tuple[str, str], joints: Sequence[int]) -> None:
@@ -60,18 +100,31 @@ def check_feet(model: Any, path: Path, feet: tuple[str, str], joints: Sequence[i
         raise RobotFileError(path, "--feet", "are one and the same body", "two that move apart")
 
 
-def describe_soles(body: Body, feet: tuple[str, str]) -> list[str]:
-    """Say what was found under the feet, a line each."""
-    notes = []
-    for side, foot, sole in zip(("left", "right"), feet, body.soles, strict=True):
-        size = f"{1e3 * np.ptp(sole.x):.0f} mm x {1e3 * np.ptp(sole.y):.0f} mm"
-        where = f"at frame {sole.frame}" if sole.is_frame else f"under {sole.frame}"
-        notes.append(f"{side} sole: {size} {where}, from its {sole.source} geometry")
-        if sole.source == "visual":
-            notes.append(f"{foot} has no flat collision geometry: what is drawn was taken")
-        if 2e-3 < abs(sole.named_height) < 0.02 and sole.frame == foot and not sole.is_frame:
-            notes.append(f"{foot} is {1e3 * sole.named_height:.1f} mm above its lowest flat patch")
-    heel, toe = (abs(float(extent)) for extent in body.soles[0].from_ankle)
-    if heel > 1.2 * toe:
-        notes.append("the heels are longer than the toes: is LEFT really the left foot?")
-    return notes
+def _heaviest_ends(bodies: RigidBodyModel) -> list[int]:
+    """Find the last joints of the two heaviest chains without branches, the legs' probably."""
+    model, data = bodies.model, bodies.model.createData()
+    pinocchio.computeSubtreeMasses(model, data)
+    parents = list(model.parents)
+    chains = {}
+    for end in range(2, model.njoints):
+        if end in parents or len(list(model.supports[end])) - 2 < LEAST_JOINTS:
+            continue
+        first = end
+        while parents[first] > 1 and parents.count(parents[first]) == 1:
+            first = parents[first]
+        chains[end] = float(data.mass[first])
+    return sorted(chains, key=lambda end: -chains[end])[:2]
+
+
+def _names(
+    bodies: RigidBodyModel, joints: Sequence[int], leftwards: Sequence[float] = (0.0, 1.0, 0.0)
+) -> str:
+    """Name the links of two joints, the left one first.
+
+    Args:
+        leftwards: Direction in the base's frame, (3,).
+    """
+    model, data = bodies.model, bodies.model.createData()
+    pinocchio.forwardKinematics(model, data, pinocchio.neutral(model))
+    ordered = sorted(joints, key=lambda j: -float(data.oMi[j].translation @ np.array(leftwards)))
+    return " and ".join(bodies.link_of(j) for j in ordered)

@@ -26,6 +26,9 @@ from tsd_casadi.proposal.posed import SAG, pose
 from tsd_casadi.proposal.stance import Wish, settle
 from tsd_casadi.state import Vector
 
+# those that ranges are looked for
+MOTIONS = ("squat", "sway", "lean", "circle", "twist")
+
 Ranges = dict[str, tuple[float, float]]
 
 # smallest motion that is one [m, rad], and the slowest [Hz]

@@ -14,13 +14,15 @@ from tsd_casadi.proposal.efforts import assumed_limits
 from tsd_casadi.proposal.gains import scale_gains
 from tsd_casadi.proposal.home_posture import GOOD_ENOUGH, HomePosture, find_home_posture
 from tsd_casadi.proposal.motion_ranges import propose_ranges
-from tsd_casadi.proposal.posed import LEAST_BEND, LEAST_MARGIN
+from tsd_casadi.proposal.posed import LARGEST_SHARE, LEAST_BEND, LEAST_MARGIN, SAG
 from tsd_casadi.proposal.robot_file_text import robot_file_text
 from tsd_casadi.proposal.source_path import path_in_file
 from tsd_casadi.proposal.survey import Survey, survey
 
 # what a proposal is made in, for whoever shows progress
 STEPS = ("description", "home posture", "ranges of motions", "file")
+# more names than these are counted
+FEW = 6
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,7 @@ class Proposal:
         survey: Of the description.
         home: Where the robot stands.
         ranges: (low, high) by motion and parameter.
+        problems: Why the file is of no use as it is, a line each; usually none.
     """
 
     name: str
@@ -42,6 +45,7 @@ class Proposal:
     survey: Survey
     home: HomePosture
     ranges: dict[str, dict[str, tuple[float, float]]]
+    problems: list[str]
 
 
 def propose_robot_file(
@@ -70,6 +74,14 @@ def propose_robot_file(
     progress(1, total)
     home = find_home_posture(found.body)
     if home is None:
+        odd = [*found.suspicions, *found.mistakes]
+        if odd:
+            raise RobotFileError(
+                source,
+                "",
+                f"leads to no posture that the robot can crouch in; what is odd: {'; '.join(odd)}",
+                "other numbers there",
+            )
         raise RobotFileError(
             source,
             "joint limits",
@@ -85,8 +97,29 @@ def propose_robot_file(
     efforts = assumed_limits(found.body, home)
     text = robot_file_text(name, named, found, home, scale_gains(found.body, home), ranges, efforts)
     progress(4, total)
-    notes = [*found.notes, *_about_home(found, home), *_about_efforts(efforts)]
-    return Proposal(name, text, notes, found, home, ranges)
+    notes = [
+        *found.notes,
+        *_about_home(found, home),
+        *_about_efforts(efforts),
+        *found.suspicions,
+    ]
+    return Proposal(name, text, notes, found, home, ranges, _problems(found, home, ranges))
+
+
+def _problems(
+    found: Survey, home: HomePosture, ranges: dict[str, dict[str, tuple[float, float]]]
+) -> list[str]:
+    problems = list(found.mistakes)
+    if not ranges:
+        free = 1e3 * (home.amplitude + SAG)
+        problems.append(
+            f"there is no room for any motion: with {LEAST_MARGIN:g} rad to every limit, knees "
+            f"bent by {LEAST_BEND:g} rad and {100 * LARGEST_SHARE:.0f} % of the torques home "
+            f"leaves {free:.0f} mm up and down, of which the sag of a model that is 10 % wrong "
+            f"takes {1e3 * SAG:.0f} mm; look at these limits, at masses and soles: "
+            + ", ".join(_leg_limits(found))
+        )
+    return problems
 
 
 def name_for(text: str) -> str:
@@ -124,8 +157,13 @@ def _about_efforts(efforts: dict[str, float]) -> list[str]:
         return []
     return [
         f"torque limits of {len(efforts)} joints are ASSUMED, the description has none: put in "
-        "those of the motors ('effort' in the file)"
+        f"those of the motors ('effort' in the file): {_some(efforts)}"
     ]
+
+
+def _some(joints: dict[str, float]) -> str:
+    more = f" and {len(joints) - FEW} more" if len(joints) > FEW else ""
+    return ", ".join(list(joints)[:FEW]) + more
 
 
 def _leg_limits(found: Survey) -> list[str]:

@@ -12,8 +12,10 @@ from tsd_casadi.proposal.changes_text import changes_text
 from tsd_casadi.proposal.gains import Gains
 from tsd_casadi.proposal.home_posture import HomePosture
 from tsd_casadi.proposal.inverse_statics import FRICTION
+from tsd_casadi.proposal.motions_text import motions_text
 from tsd_casadi.proposal.posed import P_COM, P_POSTURE
-from tsd_casadi.proposal.survey import INSIDE, Survey
+from tsd_casadi.proposal.soles import INSIDE
+from tsd_casadi.proposal.survey import Survey
 from tsd_casadi.proposal.yaml_text import DIGITS, key_text, list_text, number_text
 from tsd_casadi.robot.sole_patch import SolePatch
 
@@ -47,7 +49,7 @@ def robot_file_text(
         _contacts(found.body, gains),
         _tasks(found, home),
         _weights(gains),
-        _motions(ranges),
+        motions_text(ranges),
     ]
     return "\n".join("\n".join(part) + "\n" for part in parts if part)
 
@@ -162,17 +164,3 @@ def _weights(gains: Gains) -> list[str]:
         "",
         f"safe_torque: {{D: {gains.damping!r}}}  # N m s/rad",
     ]
-
-
-def _motions(ranges: Mapping[str, Mapping[str, tuple[float, float]]]) -> list[str]:
-    if not ranges:
-        return []
-    lines = [
-        "# Over these ranges every joint keeps 0.1 rad to its limits and the knees stay bent by",
-        "# 0.6 rad, with the sag of a model that is 10 % wrong. [m, rad, Hz]",
-        "motions:",
-    ]
-    for motion, parameters in ranges.items():
-        lines.append(f"  {motion}:")
-        lines += [f"    {name}: {list_text(ends)}" for name, ends in parameters.items()]
-    return lines

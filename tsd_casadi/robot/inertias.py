@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from tsd_casadi.state import Matrix, Vector
 ROUNDING = 1e-5
 # of what robots are made of on average, motors and air together [kg/m^3]
 DENSITY = 1000.0
+ENTRIES = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,22 @@ class Written:
     mass: float
     lever: Vector
     inertia: Matrix
+
+
+def written_inertia(link: ElementTree.Element) -> Written | None:
+    """Read mass and inertia of a URDF's link; None where it has not both.
+
+    Raises:
+        ValueError: If one is not written as a number.
+    """
+    inertial = link.find("inertial")
+    mass, moments = (
+        None if inertial is None else inertial.find(tag) for tag in ("mass", "inertia")
+    )
+    if mass is None or moments is None:
+        return None
+    matrix = np.array([[float(moments.get(name, 0.0)) for name in row] for row in ENTRIES])
+    return Written(float(mass.get("value", 0.0)), np.zeros(3), matrix)
 
 
 def what_is_wrong(inertia: Any) -> str | None:

@@ -21,6 +21,9 @@ from tsd_cli.options.proposal import ProposalOptions
 from tsd_cli.output import check_outputs, put_out
 from tsd_clients.console.progress import show_progress
 
+# exit code for a file that is written and that nothing can be done with
+OF_NO_USE = 1
+
 
 @interruptible("no robot file was written")
 def write_new_robot(file: Path | None, wanted: ProposalOptions, output: JsonOptions) -> None:
@@ -52,6 +55,10 @@ def write_new_robot(file: Path | None, wanted: ProposalOptions, output: JsonOpti
         written.write(proposal.text.encode())
     result = _result(proposal, robot_file, [*notes, *proposal.notes])
     put_out(result, output, lambda: _print(result))
+    if proposal.problems:
+        for problem in proposal.problems:
+            typer.echo(f"{robot_file} is written, but {problem}", err=True)
+        raise typer.Exit(OF_NO_USE)
 
 
 def _read_feet(text: str) -> tuple[str, str]:
@@ -79,10 +86,12 @@ def _check_loading(proposal: Proposal, robot_file: Path) -> None:
         try:
             Robot(Path(draft.name))
         except RobotFileError as error:
+            said = str(error).replace(draft.name, str(robot_file))
+            said = said.replace(Path(draft.name).name, robot_file.name)
             raise RobotFileError(
                 proposal.survey.description.path,
                 "",
-                f"leads to a robot file that cannot be used ({error})",
+                f"leads to a robot file that cannot be used ({said})",
                 "a description without that",
             ) from error
 
@@ -106,6 +115,7 @@ def _result(proposal: Proposal, robot_file: Path, notes: list[str]) -> dict[str,
             for motion, ranges in proposal.ranges.items()
         },
         "notes": notes,
+        "problems": proposal.problems,
     }
 
 
