@@ -34,6 +34,8 @@ def weak_ankle(problem: InverseDynamics) -> Command:
 def spoil(problem: InverseDynamics, seed: int) -> Command:
     """Make a request that has a good chance of being infeasible, each time for other reasons."""
     rng, robot, command = np.random.default_rng(seed), problem.robot, Command(problem.request)
+    # they yield before anything is infeasible
+    command["limits.position_active"] = command["limits.velocity_active"] = 0.0
     command["q"][7:] += rng.normal(scale=0.1, size=robot.n)
     command["v"] = rng.normal(scale=0.3, size=robot.nv)
     names = [contact.name for contact in problem.contacts]
@@ -241,3 +243,15 @@ def test_every_row_has_words(any_robot: Robot) -> None:
 
 def test_a_row_of_an_unknown_kind_keeps_its_name() -> None:
     assert describe_row("something.else").what == "something.else"
+
+
+def test_limits_that_yield_are_no_reason(robot: Robot, controller: Controller) -> None:
+    """Every joint beyond its stop, on feet that stand: they cannot all be led back at once."""
+    command = controller.command()
+    command["limits.position_lower"] = robot.home.q[7:] + 0.05
+    command["limits.position_upper"] = robot.home.q[7:] + 1.0
+    command.set_state(robot.home)
+    tick = controller.tick(robot.home, command)
+    assert tick.yielded
+    assert tick.status == Status.OK
+    assert explain(InverseDynamics(robot), command.request).feasible

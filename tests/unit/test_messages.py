@@ -57,6 +57,7 @@ from tsd_casadi.wire.learner import (
 from tsd_casadi.wire.message import Message
 from tsd_casadi.wire.question import Question, question_texts
 from tsd_casadi.wire.record import LapMessage, RecordMessage
+from tsd_casadi.wire.run_record import RunRecord
 from tsd_casadi.wire.suggestion import SuggestionMessage
 
 CONTEXT = Context("00ff", "abcd", "c0ffee")
@@ -195,6 +196,15 @@ SAMPLES: list[Document] = [
     LATENCY,
     ANSWERS,
     DATABASE_STATE,
+    RunRecord(
+        role="controller",
+        subject="hermes_lower",
+        robot="hermes_lower",
+        pid=1234,
+        endpoints=("tcp/127.0.0.1:7447",),
+        instance=0xC0FFEE,
+        started="2026-01-02T03:04:05+00:00",
+    ),
     HealthMessage(
         role="learner",
         robot="*",
@@ -236,6 +246,7 @@ CLASSES = [
     AnswersMessage,
     DatabaseStateMessage,
     HealthMessage,
+    RunRecord,
 ]
 
 

@@ -27,8 +27,14 @@ def explain(problem: InverseDynamics, request: Vector) -> Explanation:
     if len(reduced.contradicting):
         names = tuple(problem.row_names[row] for row in reduced.contradicting)
         return Explanation(False, contradicting=names, dependent=reduced.dependent)
-    bounds = _bounds(problem, request, program, reduced)
     conflict = find_conflict(reduced)
+    if conflict is not None:
+        # limits of joint positions and velocities yield before anything is infeasible
+        request = _without_yielding_limits(problem, request)
+        program = problem.evaluate(request)
+        reduced = reduce_rows(program, problem.nv, problem.n_equalities)
+        conflict = find_conflict(reduced)
+    bounds = _bounds(problem, request, program, reduced)
     if conflict is not None:
         rows = _conflicting_rows(problem, reduced, bounds, conflict)
         return Explanation(False, dependent=reduced.dependent, conflict=rows)
@@ -42,6 +48,13 @@ def explain(problem: InverseDynamics, request: Vector) -> Explanation:
         limits=_limit_costs(problem, reduced, bounds, costs),
         otherwise=_by_axis(problem, costs.otherwise),
     )
+
+
+def _without_yielding_limits(problem: InverseDynamics, request: Vector) -> Vector:
+    changed = request.copy()
+    for name in ("limits.position_active", "limits.velocity_active"):
+        changed[problem.request.slice(name)] = 0.0
+    return changed
 
 
 def _bounds(
