@@ -8,9 +8,12 @@ from pathlib import Path
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.exceptions.did_you_mean import nearest
 from tsd_casadi.exceptions.values import InvalidValue
+from tsd_casadi.proposal.feet import name_legs
 from tsd_casadi.proposal.locks import FINGERS, named_locks
 from tsd_casadi.robot.description import Description, read_description
+from tsd_casadi.robot.description_changes import complete_joints
 from tsd_casadi.robot.description_path import find_package
+from tsd_casadi.robot.parsed_model import parse_model
 
 DATA = "example-robot-data"
 # what the folders of that package end with
@@ -96,7 +99,13 @@ def _moving(description: Description) -> list[str]:
 
 
 def _hint(folder: Path, feet: Sequence[str]) -> str:
-    links = [
-        link for path in folder.rglob("*.urdf") for link in read_description(path, "urdf").links()
-    ]
-    return "; ".join(f"for {foot} {nearest(foot, links)}" for foot in feet)
+    descriptions = [read_description(path, "urdf") for path in sorted(folder.rglob("*.urdf"))]
+    links = [link for description in descriptions for link in description.links()]
+    named = "; ".join(f"for {foot} {nearest(foot, links)}" for foot in feet)
+    return f"{_legs(descriptions[0])}{named}" if descriptions else named
+
+
+def _legs(description: Description) -> str:
+    """Name the ends of the legs, of a description with every joint."""
+    complete_joints(description, description.path, _moving(description), {})
+    return name_legs(parse_model(description))

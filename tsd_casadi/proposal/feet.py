@@ -29,10 +29,11 @@ def find_foot(bodies: RigidBodyModel, source: Path, foot: str) -> int:
     index = bodies.find_frame(foot)
     if index is None:
         names = [frame.name for frame in list(bodies.model.frames)[2:]]
-        legs = _heaviest_ends(bodies)
-        ends = f"the legs seem to end in {_names(bodies, legs)}; " if len(legs) == 2 else ""
         raise RobotFileError(
-            source, "--feet", f"'{foot}' is no link or frame", ends + nearest(foot, names)
+            source,
+            "--feet",
+            f"'{foot}' is no link or frame",
+            name_legs(bodies.model) + nearest(foot, names),
         )
     return index
 
@@ -51,7 +52,7 @@ def check_legs(bodies: RigidBodyModel, path: Path, feet: tuple[str, str]) -> Non
     q = pinocchio.neutral(model)
     com = pinocchio.centerOfMass(model, data, q)
     joints = [model.frames[find_foot(bodies, path, foot)].parentJoint for foot in feet]
-    legs = _heaviest_ends(bodies)
+    legs = _heaviest_ends(model)
     chains = {j for leg in legs for j in list(model.supports[leg])} - {0, 1}
     if len(legs) < 2 or 1 in joints or chains & set(joints):
         return
@@ -62,7 +63,7 @@ def check_legs(bodies: RigidBodyModel, path: Path, feet: tuple[str, str]) -> Non
 
     if reach(legs) > reach(joints):
         leftwards = data.oMi[joints[0]].translation - data.oMi[joints[1]].translation
-        names = _names(bodies, legs, leftwards)
+        names = _names(model, legs, leftwards)
         raise RobotFileError(
             path,
             "--feet",
@@ -100,9 +101,19 @@ def check_feet(model: Any, path: Path, feet: tuple[str, str], joints: Sequence[i
         raise RobotFileError(path, "--feet", "are one and the same body", "two that move apart")
 
 
-def _heaviest_ends(bodies: RigidBodyModel) -> list[int]:
+def name_legs(model: Any) -> str:
+    """Name the links in which the legs seem to end, to be put before others.
+
+    Args:
+        model: ``pinocchio.Model`` with a free-flyer.
+    """
+    legs = _heaviest_ends(model)
+    return f"the legs seem to end in {_names(model, legs)}; " if len(legs) == 2 else ""
+
+
+def _heaviest_ends(model: Any) -> list[int]:
     """Find the last joints of the two heaviest chains without branches, the legs' probably."""
-    model, data = bodies.model, bodies.model.createData()
+    data = model.createData()
     pinocchio.computeSubtreeMasses(model, data)
     parents = list(model.parents)
     chains = {}
@@ -116,15 +127,18 @@ def _heaviest_ends(bodies: RigidBodyModel) -> list[int]:
     return sorted(chains, key=lambda end: -chains[end])[:2]
 
 
-def _names(
-    bodies: RigidBodyModel, joints: Sequence[int], leftwards: Sequence[float] = (0.0, 1.0, 0.0)
-) -> str:
+def _names(model: Any, joints: Sequence[int], leftwards: Sequence[float] = (0.0, 1.0, 0.0)) -> str:
     """Name the links of two joints, the left one first.
 
     Args:
         leftwards: Direction in the base's frame, (3,).
     """
-    model, data = bodies.model, bodies.model.createData()
+    data = model.createData()
     pinocchio.forwardKinematics(model, data, pinocchio.neutral(model))
     ordered = sorted(joints, key=lambda j: -float(data.oMi[j].translation @ np.array(leftwards)))
-    return " and ".join(bodies.link_of(j) for j in ordered)
+    links = {
+        frame.parentJoint: str(frame.name)
+        for frame in reversed(list(model.frames))
+        if frame.type == pinocchio.FrameType.BODY
+    }
+    return " and ".join(links[j] for j in ordered)
