@@ -102,7 +102,7 @@ def _hint(folder: Path, feet: Sequence[str]) -> str:
     descriptions = [read_description(path, "urdf") for path in sorted(folder.rglob("*.urdf"))]
     links = [link for description in descriptions for link in description.links()]
     named = "; ".join(f"for {foot} {nearest(foot, links)}" for foot in feet)
-    return f"{_legs(descriptions[0])}{named}" if descriptions else named
+    return f"{named}{_legs(descriptions[0])}" if descriptions else named
 
 
 def _legs(description: Description) -> str:

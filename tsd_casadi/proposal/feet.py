@@ -32,8 +32,8 @@ def find_foot(bodies: RigidBodyModel, source: Path, foot: str) -> int:
         raise RobotFileError(
             source,
             "--feet",
-            f"'{foot}' is no link or frame",
-            name_legs(bodies.model) + nearest(foot, names),
+            f"'{foot}' is no link or frame" + name_legs(bodies.model),
+            nearest(foot, names),
         )
     return index
 
@@ -102,13 +102,13 @@ def check_feet(model: Any, path: Path, feet: tuple[str, str], joints: Sequence[i
 
 
 def name_legs(model: Any) -> str:
-    """Name the links in which the legs seem to end, to be put before others.
+    """Tell in which links the legs seem to end, behind what was found.
 
     Args:
         model: ``pinocchio.Model`` with a free-flyer.
     """
     legs = _heaviest_ends(model)
-    return f"the legs seem to end in {_names(model, legs)}; " if len(legs) == 2 else ""
+    return f"; the legs seem to end in {_names(model, legs)}" if len(legs) == 2 else ""
 
 
 def _heaviest_ends(model: Any) -> list[int]:

@@ -111,7 +111,7 @@ def _problems(
 ) -> list[str]:
     problems = list(found.mistakes)
     if not ranges:
-        free = 1e3 * (home.amplitude + SAG)
+        free = 1e3 * max(home.amplitude + SAG, 0.0)
         problems.append(
             f"there is no room for any motion: with {LEAST_MARGIN:g} rad to every limit, knees "
             f"bent by {LEAST_BEND:g} rad and {100 * LARGEST_SHARE:.0f} % of the torques home "
@@ -155,8 +155,9 @@ def _about_home(found: Survey, home: HomePosture) -> list[str]:
 def _about_efforts(efforts: dict[str, float]) -> list[str]:
     if not efforts:
         return []
+    joints = f"{len(efforts)} joints are" if len(efforts) > 1 else "one joint is"
     return [
-        f"torque limits of {len(efforts)} joints are ASSUMED, the description has none: put in "
+        f"torque limits of {joints} ASSUMED, the description has none: put in "
         f"those of the motors ('effort' in the file): {_some(efforts)}"
     ]
 
