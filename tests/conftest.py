@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,9 @@ from typing import Any
 # before NumPy is loaded, and for the processes that tests start: several workers
 # with a thread per core each would wait for one another most of the time
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+# behind what is installed: the benchmarks, whose short forms are tests
+sys.path.append(str(Path(__file__).parents[1]))
 
 import pytest
 import yaml

@@ -31,7 +31,7 @@ def test_a_file_of_use_ends_well(small_humanoid: Write, capsys: pytest.CaptureFi
     robot_file = write(small_humanoid())
     assert Robot(robot_file).name == "small"
     said = capsys.readouterr()
-    assert said.out.splitlines()[-1] == f"look at it: tsd robot check {robot_file}"
+    assert said.out.splitlines()[-1] == f"next: tsd robot check {robot_file}"
     assert "is written, but" not in said.err
 
 

@@ -13,12 +13,11 @@ from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.tick.format import Status
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.output import JsonOptions
+from tsd_cli.options.robot import RobotOptions
 from tsd_cli.output import STDOUT, check_outputs, put_out
 from tsd_clients.console.explanation_tables import print_explanation
 from tsd_clients.logs.logged_request import first_tick, logged_request
 from tsd_clients.logs.read_log import read_log
-
-DEFAULT_ROBOT = "hermes_lower"
 
 
 @interruptible()
@@ -30,7 +29,7 @@ def explain_tick(path: Path, tick: int | None, robot: str | None, output: JsonOp
     """
     check_outputs(output)
     log = read_log(path)
-    problem = InverseDynamics(load_robot(robot or log.robot or DEFAULT_ROBOT))
+    problem = InverseDynamics(load_robot(robot or log.robot or RobotOptions().robot))
     number = first_tick(log) if tick is None else tick
     request, rests_on = logged_request(log, number, problem)
     explanation = explain(problem, request)

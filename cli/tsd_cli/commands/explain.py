@@ -32,7 +32,7 @@ def explain(
             "--robot",
             metavar="ROBOT",
             help="Name of a shipped robot, or path of a robot file (.yaml); by default the "
-            "log's robot, hermes_lower for a .csv.",
+            "log's robot, for a .csv the one that --robot is elsewhere.",
         ),
     ] = None,
 ) -> None:
