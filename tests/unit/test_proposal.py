@@ -212,7 +212,7 @@ def test_of_several_descriptions_the_one_without_fingers_is_taken() -> None:
 def test_an_unknown_robot_or_foot_is_told_with_the_nearest() -> None:
     with pytest.raises(InvalidValue, match=r"talos"):
         find_in_package("tallos", FEET, ())
-    with pytest.raises(RobotFileError, match=r"leg_left_6_link and .*left_sole_link"):
+    with pytest.raises(RobotFileError, match=r"left_sole_link.*leg_left_6_link and"):
         find_in_package("talos", ("left_sole", "right_sole"), ())
 
 
