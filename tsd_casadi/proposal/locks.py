@@ -12,8 +12,8 @@ from typing import Any
 import pinocchio
 
 from tsd_casadi.exceptions import RobotFileError
-from tsd_casadi.exceptions.did_you_mean import nearest
 from tsd_casadi.robot.description import CONTINUOUS, Description
+from tsd_casadi.robot.joint_patterns import matching_joints
 from tsd_casadi.robot.parsed_model import parse_model
 
 # what hands are made of, in the words of descriptions; they are only mentioned
@@ -60,24 +60,7 @@ def named_locks(path: Path, joints: Sequence[str], patterns: Sequence[str]) -> L
     """
     locks = Locks()
     for pattern in patterns:
-        try:
-            expression = re.compile(pattern)
-        except re.error as error:
-            raise RobotFileError(
-                path,
-                f"--lock {pattern}",
-                f"is no regular expression ({error})",
-                "the name of a joint, or a pattern such as '.*_hand_.*'",
-            ) from error
-        matched = [joint for joint in joints if expression.fullmatch(joint)]
-        if not matched:
-            raise RobotFileError(
-                path,
-                f"--lock {pattern}",
-                "matches no joint that moves",
-                f"a name, or a pattern for whole names such as '.*_hand_.*'; "
-                f"{nearest(pattern, joints)}",
-            )
+        matched = matching_joints(path, f"--lock {pattern}", pattern, joints)
         locks.patterns[pattern] = matched
         locks.angles.update(dict.fromkeys(matched, 0.0))
     return locks

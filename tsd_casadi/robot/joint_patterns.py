@@ -31,26 +31,41 @@ def values_by_joint(
     """
     found: dict[str, Value] = {}
     for pattern, value in patterns.items():
-        matched = [pattern] if pattern in joints else _match(robot_file, field, pattern, joints)
-        if not matched:
-            raise RobotFileError(
-                robot_file,
-                f"{field}.{pattern}",
-                "matches no joint of the description",
-                f"the name of a joint or a regular expression for some, {nearest(pattern, joints)}",
-            )
-        found.update(dict.fromkeys(matched, value))
+        found.update(
+            dict.fromkeys(matching_joints(robot_file, f"{field}.{pattern}", pattern, joints), value)
+        )
     return {joint: found[joint] for joint in joints if joint in found}
 
 
-def _match(robot_file: Path, field: str, pattern: str, joints: Sequence[str]) -> list[str]:
+def matching_joints(path: Path, field: str, pattern: str, joints: Sequence[str]) -> list[str]:
+    """Find the joints that a name or a regular expression means.
+
+    Args:
+        path: Of the file that is to blame if there are none.
+        field: What is to blame in it.
+        pattern: A joint's name, or an expression that has to match a whole name.
+
+    Raises:
+        RobotFileError: If it is no regular expression or matches no joint.
+    """
+    if pattern in joints:
+        return [pattern]
     try:
         expression = re.compile(pattern)
     except re.error as error:
         raise RobotFileError(
-            robot_file,
-            f"{field}.{pattern}",
+            path,
+            field,
             f"is no regular expression ({error})",
-            "the name of a joint, or a pattern such as .*_hand_.*",
+            "the name of a joint, or a pattern for whole names such as '.*_hand_.*'",
         ) from error
-    return [joint for joint in joints if expression.fullmatch(joint)]
+    matched = [joint for joint in joints if expression.fullmatch(joint)]
+    if not matched:
+        raise RobotFileError(
+            path,
+            field,
+            "matches no joint that moves",
+            "the name of a joint, or a pattern for whole names such as '.*_hand_.*', "
+            f"{nearest(pattern, joints)}",
+        )
+    return matched
