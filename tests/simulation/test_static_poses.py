@@ -153,7 +153,9 @@ def test_hardware_effects_count_and_an_inclinometer_makes_up_for_soft_ground(
         differences = [p.center_of_pressure - robot.center_of_mass(p.q)[:2] for p in poses]
         errors[inclinometer] = np.abs(differences).max()
     assert calls == 2 * [(1, 3), (2, 3), (3, 3)]
-    assert errors[0.0] < 2e-4 < errors[None] < 1e-3
+    # four seeds: 0.25 to 0.49 mm without, 0.48 to 0.53 times that with one
+    assert errors[0.0] < 0.7 * errors[None]
+    assert 1e-4 < errors[None] < 1e-3
 
 
 @pytest.mark.parametrize("count", [0, -1, 501])
