@@ -240,11 +240,10 @@ def test_an_answer_may_be_changed_without_harm(path: Path) -> None:
 )
 def test_parameters_are_the_same_text_here_and_in_the_file(given: dict[str, float]) -> None:
     key = EntryKey.of("r", "m", "1", ("com.z",), given)
-    expression = derived._PLACE.replace("entry.parameters", "?1")
+    expression = derived._PLACE.replace("entry.parameters", ":text")
     with closing(sqlite3.connect(":memory:")) as plain:
-        (found,) = plain.execute(
-            f"SELECT {expression}", (json.dumps(dict(key.parameters)),)
-        ).fetchone()
+        text = {"text": json.dumps(dict(key.parameters))}
+        (found,) = plain.execute(f"SELECT {expression}", text).fetchone()
     assert found == place(key.parameters)
 
 
