@@ -12,9 +12,10 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.encoding.laps import Lap, first_steady_lap
+from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.encoding.phase_oscillator import PhaseOscillator
+from tsd_casadi.encoding.steadiness import first_steady_lap
 from tsd_casadi.exceptions import SimulationError
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.hold import hold
