@@ -493,6 +493,15 @@ class Numeric:
         upper = max(min(most[0], limit), -limit)
         return min(max(-most[1], -limit), upper), upper
 
+    def torque_bounds(self, i: int) -> tuple[float, float]:
+        limit, stall, no_load = (
+            float(self.command[f"limits.{name}"][i])
+            for name in ("torque", "stall_torque", "no_load_speed")
+        )
+        share = float(self.v[6 + i]) / no_load
+        left = [min(limit, max(0.0, stall * (1 - way * share))) for way in (-1, 1)]
+        return -left[0], left[1]
+
     def rows(self) -> dict[str, tuple[np.ndarray, float, float]]:
         robot, command, nv = self.robot, self.command, self.model.nv
         nx = nv + len(self.contact_jacobian)
@@ -546,8 +555,8 @@ class Numeric:
             least = command[f"{name}.minimum_force"][0] if active else 0.0
             add(f"{name}.unilateral_force", {fz: 1.0}, least, 1e30)
         for i, joint in enumerate(robot.joint_names):
-            limit, h = command["limits.torque"][i], self.h[6 + i]
-            rows[f"joint_torque.{joint}"] = (dynamics[6 + i], -limit - h, limit - h)
+            (low, high), h = self.torque_bounds(i), self.h[6 + i]
+            rows[f"joint_torque.{joint}"] = (dynamics[6 + i], low - h, high - h)
         return rows
 
 

@@ -155,7 +155,8 @@ class _Loads:
         self.pressure = math.inf
 
     def add(self, q: Vector, tick: Tick) -> None:
-        shares = np.abs(tick.tau) / self._robot.torque_limit
+        robot = self._robot
+        shares = np.abs(tick.tau) / np.minimum(robot.torque_limit, robot.stall_torque)
         index = int(np.argmax(shares))
         if shares[index] > self.torque.value:
             self.torque = Demand(float(shares[index]), self._robot.joint_names[index])

@@ -31,6 +31,7 @@ from tsd_casadi.constraints.joint_position import position_bounds
 from tsd_casadi.constraints.joint_torque import joint_torque
 from tsd_casadi.constraints.joint_velocity import velocity_bounds
 from tsd_casadi.constraints.rows import AccelerationBounds, Rows, stack_rows
+from tsd_casadi.constraints.torque_speed import TorqueBounds, torque_bounds
 from tsd_casadi.costs.force_regularization import force_cost
 from tsd_casadi.costs.null_space_posture import (
     null_space_projector,
@@ -177,7 +178,8 @@ class InverseDynamics:
         velocity, position = self._velocity_bounds(braking), self._position_bounds(braking)
         bounds = joint_acceleration(joints, limit, [velocity, position], self.nx)
         equalities = stack_rows([unactuated_dynamics(M, h, contacts.J), *contacts.equalities])
-        torques = joint_torque(joints, A_tau, h_a, self._read("limits.torque"))
+        allowed = self._torque_bounds()
+        torques = joint_torque(joints, A_tau, h_a, allowed)
         rows = stack_rows([equalities, *contacts.inequalities, torques])
         self.row_names: tuple[str, ...] = (*bounds.names, *rows.names)
         self.n_equalities = len(equalities.names)
@@ -218,9 +220,17 @@ class InverseDynamics:
             contacts.J_active,
             self._dynamics.v,
             self._read("safe_torque.D"),
-            self._read("limits.torque"),
+            allowed,
         )
         return terms, self._function("safe_torque", {"tau": safe})
+
+    def _torque_bounds(self) -> TorqueBounds:
+        return torque_bounds(
+            self._dynamics.v[6:],
+            self._read("limits.torque"),
+            self._read("limits.stall_torque"),
+            self._read("limits.no_load_speed"),
+        )
 
     def _velocity_bounds(self, braking: ca.SX) -> AccelerationBounds:
         return velocity_bounds(

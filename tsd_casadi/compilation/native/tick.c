@@ -291,7 +291,8 @@ static int solve_in_order(struct tick* t, const double* request) {
   return flag;
 }
 
-static void fill_solution(const struct tick* t, int n_active, double* reply) {
+static void fill_solution(const struct tick* t, const double* request, int n_active,
+                          double* reply) {
   for (int i = 0; i < N_TAU; i++)
     reply[REPLY_TAU + i] = t->h_a[i] + t->rows[N_GENERAL - N_TAU + i];
   memcpy(reply + REPLY_QDD, t->x, N_V * sizeof(double));
@@ -309,6 +310,10 @@ static void fill_solution(const struct tick* t, int n_active, double* reply) {
     const int row = N_V - N_TAU + i;
     active[row] =
         state_of_joint(&t->limits, i, t->x[row], t->lower[row], t->upper[row], active[row]);
+    double* torque = active + N_ROWS - N_TAU + i;
+    *torque = state_of_torque(*torque, request[REQUEST_V + row], request[REQUEST_TORQUE + i],
+                              request[REQUEST_STALL_TORQUE + i],
+                              request[REQUEST_NO_LOAD_SPEED + i]);
   }
 }
 
@@ -361,7 +366,7 @@ int tick_run(struct tick* t, const double* request, double* reply) {
     status = status_of(flag);
   }
   if (status == STATUS_OK) {
-    fill_solution(t, n_active, reply);
+    fill_solution(t, request, n_active, reply);
     if (!all_finite(reply + REPLY_TAU, N_TAU + N_V + N_WRENCHES)) status = STATUS_NOT_FINITE;
   }
   const double solved = microseconds();

@@ -43,6 +43,10 @@ void bound_accelerations(const struct joint_limits* s, const double* limit, enum
 double state_of_joint(const struct joint_limits* s, int i, double qdd, double lower, double upper,
                       double at);
 
+/* What the reply says of a joint's torque, which is at a bound (-1, 1) or not (0): whether the
+ * speed v makes it, as torque_speed.py. */
+double state_of_torque(double at, double v, double limit, double stall, double no_load);
+
 /* H_qdd (N_V, N_V) and g_qdd gain the posture; J (N_J, N_V) by columns, its rows zero where
  * their level, from 0 to 1, is 0.
  * Returns 0, or -1 if the numbers are not finite. */
