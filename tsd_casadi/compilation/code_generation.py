@@ -61,6 +61,10 @@ def _header(problem: InverseDynamics) -> str:
         "LIMIT_TOLERANCE": LIMIT_TOLERANCE,
         "ITERATION_LIMIT": ITERATION_LIMIT,
         "YIELDING_WEIGHT": YIELDING_WEIGHT,
+        "REQUEST_V": request.slice("v").start,
+        "REQUEST_TORQUE": request.slice("limits.torque").start,
+        "REQUEST_STALL_TORQUE": request.slice("limits.stall_torque").start,
+        "REQUEST_NO_LOAD_SPEED": request.slice("limits.no_load_speed").start,
         "REQUEST_ACCELERATION": request.slice("limits.acceleration").start,
         "QUATERNION_TOLERANCE": QUATERNION_TOLERANCE,
     }

@@ -95,9 +95,7 @@ class Repetition:
         hold(self._command, robot, motion.middle(robot))
         for task in dict.fromkeys(axis.rpartition(".")[0] for axis in learned):
             # an unknown task is told by References, with those that there are
-            if f"{task}.P" in tick_format.request.slices:
-                self._command[f"{task}.P"] *= gains.P
-                self._command[f"{task}.D"] *= gains.D
+            gains.scale(self._command, task)
         self._references = References(robot, tick_format, self._command, axes)
         self._oscillator = PhaseOscillator(motion.frequency, motion.start_phase)
         self._fall_height = FALL_HEIGHT * float(robot.home_com[2])

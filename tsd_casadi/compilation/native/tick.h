@@ -11,6 +11,7 @@
 
 struct posture_work {
   double G[N_J * N_J], Y[N_J * N_V];
+  double J[N_J * N_V], root[N_J]; /* rows in order, roots of their levels */
   double N[N_V * N_V], WN[N_V * N_V], P[N_V * N_V];
 };
 
@@ -42,9 +43,14 @@ void bound_accelerations(const struct joint_limits* s, const double* limit, enum
 double state_of_joint(const struct joint_limits* s, int i, double qdd, double lower, double upper,
                       double at);
 
-/* H_qdd (N_V, N_V) and g_qdd gain the posture; J (N_J, N_V) by columns.
+/* What the reply says of a joint's torque, which is at a bound (-1, 1) or not (0): whether the
+ * speed v makes it, as torque_speed.py. */
+double state_of_torque(double at, double v, double limit, double stall, double no_load);
+
+/* H_qdd (N_V, N_V) and g_qdd gain the posture; J (N_J, N_V) by columns, its rows zero where
+ * their level, from 0 to 1, is 0.
  * Returns 0, or -1 if the numbers are not finite. */
-int add_posture(const double* J, const double* W_q, const double* qdd_des,
+int add_posture(const double* J, const double* level, const double* W_q, const double* qdd_des,
                 struct posture_work* work, double* H_qdd, double* g_qdd);
 
 /* x_0 and Z from the first rows of A (N_GENERAL, N_X, by columns) and their
