@@ -92,6 +92,8 @@ class Repetition:
         )
         self._command = controller.command()
         self._command["period"] = plant.period
+        # asked for until there was one: it takes the time of a few ticks
+        self._command["explain"] = 1.0
         hold(self._command, robot, motion.middle(robot))
         for task in dict.fromkeys(axis.rpartition(".")[0] for axis in learned):
             # an unknown task is told by References, with those that there are
@@ -106,6 +108,7 @@ class Repetition:
         self._fell = False
         self._steady = False
         self._infeasible_request: Vector | None = None
+        self._conflict: dict[str, float] = {}
         # where nobody tells the truth
         self._model, self._data = robot.model, robot.model.createData()
         self._periods = None if pace is None else Periods(controller, robot, plant.period, pace)
@@ -208,6 +211,7 @@ class Repetition:
             model=self._robot.fingerprint,
             infeasible_request=self._infeasible_request,
             at_limits=self._at_limits(log["joint_limits"]),
+            conflict=self._conflict,
         )
 
     def _at_limits(self, joint_limits: Vector) -> dict[str, int]:
@@ -302,6 +306,7 @@ class Repetition:
             return False
         if answer.reply[0] == Status.INFEASIBLE and self._infeasible_request is None:
             self._infeasible_request = self._command.request.copy()
+            self._conflict, self._command["explain"] = answer.conflict, 0.0
         moment.tick = answer
         moment.tau = answer.tau
         if self._compensators:

@@ -89,7 +89,7 @@ def simulate_once(
         )
     for veto in run.vetoes:
         typer.echo(f"note: {veto}", err=True)
-    if why := why_infeasible(run, robot):
+    if why := why_infeasible(run):
         typer.echo(f"note: {why}", err=True)
     missing = [] if learned is None else [axis for axis in axes if axis not in learned.axes]
     if missing:

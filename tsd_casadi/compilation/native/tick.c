@@ -44,6 +44,7 @@ struct tick {
 
   struct posture_work posture;
   struct elimination reduced;
+  struct conflict_work conflict;
   double x[N_X], rows[N_GENERAL];
   double least[N_TAU], most[N_TAU]; /* bounds of the joints that did not yield */
   DAQPProblem problem;
@@ -364,6 +365,9 @@ int tick_run(struct tick* t, const double* request, double* reply) {
       n_active = t->work.n_active;
     }
     status = status_of(flag);
+    if (flag == EXIT_INFEASIBLE && request[REQUEST_EXPLAIN])
+      find_conflict(N_Y, t->reduced.x_0, t->reduced.Z, t->A, t->lower, t->upper, &t->conflict,
+                    reply + REPLY_CONFLICT);
   }
   if (status == STATUS_OK) {
     fill_solution(t, request, n_active, reply);
