@@ -13,6 +13,8 @@ from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.learning.axis_error import AxisError, unit_of_axis
+from tsd_casadi.learning.bound import LARGEST_ACCELERATION
+from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.recording import Recording
 from tsd_casadi.state import Matrix, Vector
 
@@ -20,8 +22,6 @@ from tsd_casadi.state import Matrix, Vector
 MOST_FUNCTIONS = 200
 # samples times functions, 64 MB while they are fitted: five minutes at 1 kHz with the usual 25
 MOST_NUMBERS = 8_000_000
-# ten times gravity, and what makes it at a radius of 0.1 m: beyond what a robot's task does
-LARGEST_ACCELERATION = {"m": 98.1, "rad": 981.0}
 # no robot is that far from its reference; a rotation vector is never longer
 LARGEST_ERROR = {"m": 10.0, "rad": np.pi}
 # of a loop of 100 Hz, faster than any that a robot's joints follow; critical damping is 2 sqrt P
@@ -46,7 +46,7 @@ def check_plausible(recording: Recording) -> None:
     for index, lap in enumerate(laps):
         check_phase(lap.phase, basis, f"lap {index}")
     check_errors(recording.errors)
-    check_gains(recording.circumstances.gains)
+    check_circumstances(recording.circumstances, axes)
     check_amounts(axes, laps, recording.applied)
     check_agreement(axes, laps, basis, recording.applied)
 
@@ -135,12 +135,20 @@ def check_errors(errors: Mapping[str, AxisError]) -> None:
         _check_below(f"RMS error of {axis}", np.array([error.rms]), (LARGEST_ERROR[unit], unit))
 
 
-def check_gains(gains: Mapping[str, Sequence[float]]) -> None:
-    """Refuse gains that no robot's task has.
+def check_circumstances(circumstances: Circumstances, axes: Sequence[str]) -> None:
+    """Refuse gains that no robot's task has, and limits that are none.
 
     Raises:
-        InvalidValue: If one is negative or too large.
+        InvalidValue: If one is negative or too large, or not of the axes.
     """
+    gains, allowed = circumstances.gains, circumstances.allowed
+    if allowed and len(allowed) != len(axes):
+        raise InvalidValue(
+            "allowed accelerations", len(allowed), f"one of each of {', '.join(axes)}, or none"
+        )
+    for axis, acceleration in zip(axes, allowed, strict=False):
+        if not acceleration > 0:
+            raise InvalidValue(f"allowed acceleration of {axis}", acceleration, "one above 0")
     for name, largest in LARGEST_GAIN.items():
         for gain in gains.get(name, ()):
             if not 0 <= gain <= largest:
