@@ -62,8 +62,6 @@ def test_switches_and_quaternions_of_the_request(tick_format: TickFormat) -> Non
         "com.active",
         "pelvis.active",
         "torso.active",
-        "left_foot.active",
-        "right_foot.active",
         "limits.velocity_active",
         "limits.position_active",
     ]
@@ -80,7 +78,7 @@ def test_everything_a_user_may_change_is_in_the_request(tick_format: TickFormat)
     per_task = ("reference", "reference_velocity", "reference_acceleration", "feedforward")
     per_task += ("P", "D", "W", "active")
     per_contact = ("active", "friction", "torsional_friction", "extents", "minimum_force")
-    per_contact += ("lambda_des", "W_lambda")
+    per_contact += ("maximum_force", "lambda_des", "W_lambda")
     assert names == {
         "q",
         "v",
