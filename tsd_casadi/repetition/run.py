@@ -33,6 +33,7 @@ class Run:
             measured.
         fell: Whether the robot fell, which ends the run.
         vetoes: Why the feedforward was dropped.
+        remarks: What else compensators have to say of the repetition.
         failures: Ticks answered with a safe torque, by status name.
         at_limits: Ticks at or past a limit of position or velocity, by joint.
         missed: Periods without an answer, stepped with the fallback, by cause.
@@ -40,6 +41,8 @@ class Run:
         model: Fingerprint of the robot's files; empty where nobody knows.
         infeasible_request: State and command of the first tick without a solution;
             None if there was none.
+        conflict: By how much each row of a set that cannot hold together there would have
+            to give way alone, by name; see ``Tick.conflict``.
     """
 
     robot: str
@@ -60,6 +63,8 @@ class Run:
     model: str = ""
     infeasible_request: Vector | None = None
     at_limits: dict[str, int] = field(default_factory=dict)
+    conflict: dict[str, float] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
 
     def __repr__(self) -> str:
         """Say what was done, with what, and how well."""
@@ -160,6 +165,7 @@ class Run:
             "missed": self.missed,
             "aborted": self.aborted or None,
             "vetoes": self.vetoes,
+            "remarks": self.remarks,
             "ticks": self.ticks,
             "tick_us": {
                 name: None if math.isnan(value) else value for name, value in self.tick_us.items()
