@@ -240,7 +240,7 @@ def test_no_number_may_be_missing(value: float, controller: Controller, robot: R
         (put(posture__q_ref=-2e9), "posture.q_ref[0]", "from -1e+09 to 1e+09, rad"),
         (put(limits__torque=-1e-9), "limits.torque[0]", "from 0 to 1e+09, N m"),
         (put(left_foot__friction=-0.1), "left_foot.friction", "from 0"),
-        (put(com__active=0.5), "com.active", "0 or 1"),
+        (put(limits__position_active=0.5), "limits.position_active", "0 or 1"),
         (put(right_foot__active=-1.0), "right_foot.active", "from 0 to 1"),
         (put(left_foot__active=2.0), "left_foot.active", "from 0 to 1"),
         (put(left_foot__active=1e10), "left_foot.active", "from 0 to 1"),
