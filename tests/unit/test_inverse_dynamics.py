@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from tsd_casadi import Command, Controller, InverseDynamics, Robot, Status, Tick, load_robot
 from tsd_casadi.costs.null_space_posture import DAMPING, null_space_projector
-from tsd_casadi.formulation.inverse_dynamics import QuadraticProgram
+from tsd_casadi.formulation.quadratic_program import QuadraticProgram
 from tsd_casadi.robot.robot_file_sections import COM_AXES, FRAME_AXES
 from tsd_casadi.tasks.symmetric import pack_lower_triangle
 
@@ -467,7 +467,13 @@ class Numeric:
         g = g - N.T @ W_q @ N @ qdd_des
         contacts = [contact.name for contact in self.robot.description.contacts]
         W_lambda = np.concatenate([command[f"{name}.W_lambda"] for name in contacts])
-        wanted = np.concatenate([command[f"{name}.lambda_des"] for name in contacts])
+        active = np.array([float(command[f"{name}.active"][0]) for name in contacts])
+        each = [command[f"{name}.lambda_des"] for name in contacts]
+        # those that stand take over what the others carried
+        weight = np.array([forces[2] for forces in each])
+        more = weight.sum() / (weight @ active) if active.any() else 0.0
+        wanted = np.concatenate([a * more * forces for a, forces in zip(active, each, strict=True)])
+        W_lambda *= 1 / np.maximum(np.repeat(active, [len(forces) for forces in each]), 1e-3)
         whole = np.zeros((nv + len(wanted), nv + len(wanted)))
         whole[:nv, :nv] = H
         whole[nv:, nv:] = np.diag(W_lambda)
@@ -553,7 +559,8 @@ class Numeric:
             for row, columns in faces.items():
                 add(f"{name}.{row}", columns, 0.0, 1e30)
             least = command[f"{name}.minimum_force"][0] if active else 0.0
-            add(f"{name}.unilateral_force", {fz: 1.0}, least, 1e30)
+            most = command[f"{name}.maximum_force"][0] if active else 1e30
+            add(f"{name}.unilateral_force", {fz: 1.0}, least, most)
         for i, joint in enumerate(robot.joint_names):
             (low, high), h = self.torque_bounds(i), self.h[6 + i]
             rows[f"joint_torque.{joint}"] = (dynamics[6 + i], low - h, high - h)

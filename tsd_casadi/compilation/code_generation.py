@@ -10,6 +10,7 @@ import casadi as ca
 from tsd_casadi.constraints.joint_acceleration import YIELDING_WEIGHT
 from tsd_casadi.costs.null_space_posture import DAMPING
 from tsd_casadi.formulation.contact import WRENCH
+from tsd_casadi.formulation.dependent_rows import DEPENDENT, HOLDING_WEIGHT, INDEPENDENT
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
 from tsd_casadi.tick.layout import QUATERNION_TOLERANCE
 
@@ -65,6 +66,9 @@ def _header(problem: InverseDynamics) -> str:
         "N_GENERAL": len(problem.format.row_names) - problem.nv,
         "N_EQUALITIES": problem.n_equalities,
         "POSTURE_DAMPING": DAMPING,
+        "DEPENDENT": DEPENDENT,
+        "INDEPENDENT": INDEPENDENT,
+        "HOLDING_WEIGHT": HOLDING_WEIGHT,
         "PRIMAL_TOLERANCE": PRIMAL_TOLERANCE,
         "LIMIT_TOLERANCE": LIMIT_TOLERANCE,
         "ITERATION_LIMIT": ITERATION_LIMIT,

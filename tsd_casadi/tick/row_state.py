@@ -12,7 +12,8 @@ class RowState(enum.IntEnum):
     velocity or position do not hold at the next tick because torque, contact or
     acceleration limits do not allow it. AT_POSITION, AT_VELOCITY: a joint's
     acceleration at the bound that its position or velocity makes. AT_SPEED: a joint's
-    torque at what its motor has left at its speed.
+    torque at what its motor has left at its speed. DEPENDENT: an equality that follows
+    from others, or nearly so, and is held by them or in part.
     """
 
     INSIDE = 0
@@ -22,8 +23,11 @@ class RowState(enum.IntEnum):
     AT_POSITION = 4
     AT_VELOCITY = 5
     AT_SPEED = 6
+    DEPENDENT = 7
 
 
+# of rows that are inside or equalities
+NO_INEQUALITY = (RowState.INSIDE, RowState.EQUALITY, RowState.DEPENDENT)
 # a joint on its stop, or on its way to it or past it
 AT_LIMIT = (RowState.YIELDED, RowState.AT_POSITION, RowState.AT_VELOCITY)
 JOINT_ROW = "joint_acceleration"
