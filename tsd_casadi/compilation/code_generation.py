@@ -21,6 +21,15 @@ PRIMAL_TOLERANCE = 1e-10
 LIMIT_TOLERANCE = 1e-6
 # Some 30 times what stressed states need.
 ITERATION_LIMIT = 400
+# What native/ reads of the request's limits.
+LIMITS_READ = (
+    "acceleration",
+    "velocity",
+    "velocity_active",
+    "position_lower",
+    "position_upper",
+    "position_active",
+)
 # The hand-written part, in native/.
 NATIVE = (
     "dense.h",
@@ -69,9 +78,14 @@ def _header(problem: InverseDynamics) -> str:
         "LIMIT_TOLERANCE": LIMIT_TOLERANCE,
         "ITERATION_LIMIT": ITERATION_LIMIT,
         "YIELDING_WEIGHT": YIELDING_WEIGHT,
-        "REQUEST_ACCELERATION": request.slice("limits.acceleration").start,
-        "REQUEST_EXPLAIN": request.slice("explain").start,
         "QUATERNION_TOLERANCE": QUATERNION_TOLERANCE,
+        # the joints come after the base
+        "REQUEST_JOINTS": request.slice("q").start + 7,
+        "REQUEST_JOINT_VELOCITIES": request.slice("v").start + 6,
+        "REQUEST_EXPLAIN": request.slice("explain").start,
+    }
+    sizes |= {
+        f"REQUEST_{name.upper()}": request.slice(f"limits.{name}").start for name in LIMITS_READ
     }
     sizes |= {f"REPLY_{part.name.upper()}": reply.slice(part.name).start for part in reply}
     sizes |= _work_sizes(problem)

@@ -56,7 +56,7 @@ LOG_FIELDS: dict[str, LogField] = {
     "joint_limits": LogField(
         "",
         "what bounds each joint, negative from below: 0 nothing, 1 acceleration, 4 position, "
-        "5 velocity; 3 one of the last two yielded",
+        "5 velocity (at it or past it); 3 one of the last two yielded",
         "(n,)",
         "int8",
     ),

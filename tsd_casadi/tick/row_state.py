@@ -11,7 +11,8 @@ class RowState(enum.IntEnum):
     AT_BOUND: at its own bound. YIELDED: a joint's acceleration, whose limits of
     velocity or position do not hold at the next tick because torque, contact or
     acceleration limits do not allow it. AT_POSITION, AT_VELOCITY: a joint's
-    acceleration at the bound that its position or velocity makes.
+    acceleration at the bound that its position or velocity makes, or that of a joint
+    that is past this limit now and comes back faster than it has to.
     """
 
     INSIDE = 0

@@ -292,7 +292,8 @@ static int solve_in_order(struct tick* t, const double* request) {
   return flag;
 }
 
-static void fill_solution(const struct tick* t, int n_active, double* reply) {
+static void fill_solution(const struct tick* t, const double* request, int n_active,
+                          double* reply) {
   for (int i = 0; i < N_TAU; i++)
     reply[REPLY_TAU + i] = t->h_a[i] + t->rows[N_GENERAL - N_TAU + i];
   memcpy(reply + REPLY_QDD, t->x, N_V * sizeof(double));
@@ -308,8 +309,8 @@ static void fill_solution(const struct tick* t, int n_active, double* reply) {
   }
   for (int i = 0; i < N_TAU; i++) {
     const int row = N_V - N_TAU + i;
-    active[row] =
-        state_of_joint(&t->limits, i, t->x[row], t->lower[row], t->upper[row], active[row]);
+    active[row] = state_of_joint(&t->limits, request, i, t->x[row], t->lower[row],
+                                 t->upper[row], active[row]);
   }
 }
 
@@ -365,7 +366,7 @@ int tick_run(struct tick* t, const double* request, double* reply) {
                     reply + REPLY_CONFLICT);
   }
   if (status == STATUS_OK) {
-    fill_solution(t, n_active, reply);
+    fill_solution(t, request, n_active, reply);
     if (!all_finite(reply + REPLY_TAU, N_TAU + N_V + N_WRENCHES)) status = STATUS_NOT_FINITE;
   }
   const double solved = microseconds();

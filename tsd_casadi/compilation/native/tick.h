@@ -39,8 +39,8 @@ void bound_accelerations(const struct joint_limits* s, const double* limit, enum
                          double* lower, double* upper);
 
 /* What the reply says of a joint's row, which is at a bound (-1, 1) or not (0). */
-double state_of_joint(const struct joint_limits* s, int i, double qdd, double lower, double upper,
-                      double at);
+double state_of_joint(const struct joint_limits* s, const double* request, int i, double qdd,
+                      double lower, double upper, double at);
 
 /* each limit from above and from below */
 #define N_SIDES (2 * N_REDUCED)
