@@ -32,7 +32,7 @@ def active(
     command["posture.q_ref"][place] = -10 * (q or v)
     tick = controller.tick(state, command)
     row = controller.format.row_names.index(f"joint_acceleration.{JOINT}")
-    said = tick.reply[controller.format.reply.slice("active")][row]
+    said = float(tick.reply[controller.format.reply.slice("active")][row])
     return {name: said for name in tick.active if name.endswith(f".{JOINT}")}
 
 
@@ -42,7 +42,7 @@ def test_faster_than_its_limit_and_braking(
     robot: Robot, controller: Controller, place: int, side: int, beyond: float
 ) -> None:
     said = active(controller, robot, place, 0.0, side * (LIMIT + beyond), 1.0)
-    assert said == ({f"joint_velocity.{JOINT}": 5.0 * side} if beyond > 0 else {})
+    assert said == ({f"joint_velocity.{JOINT}": 8.0 * side} if beyond > 0 else {})
 
 
 @pytest.mark.parametrize("side", [-1, 1])
@@ -51,7 +51,7 @@ def test_beyond_its_stop_and_coming_back(
     robot: Robot, controller: Controller, place: int, side: int, beyond: float
 ) -> None:
     said = active(controller, robot, place, side * (LIMIT + beyond), -side * RETURN, 1.0)
-    assert said == ({f"joint_position.{JOINT}": 4.0 * side} if beyond > 0 else {})
+    assert said == ({f"joint_position.{JOINT}": 7.0 * side} if beyond > 0 else {})
 
 
 def test_limits_that_are_switched_off_are_not_passed(

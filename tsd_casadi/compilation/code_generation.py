@@ -23,6 +23,9 @@ LIMIT_TOLERANCE = 1e-6
 ITERATION_LIMIT = 400
 # What native/ reads of the request's limits.
 LIMITS_READ = (
+    "torque",
+    "stall_torque",
+    "no_load_speed",
     "acceleration",
     "velocity",
     "velocity_active",
@@ -79,10 +82,9 @@ def _header(problem: InverseDynamics) -> str:
         "ITERATION_LIMIT": ITERATION_LIMIT,
         "YIELDING_WEIGHT": YIELDING_WEIGHT,
         "QUATERNION_TOLERANCE": QUATERNION_TOLERANCE,
-        # the joints come after the base
-        "REQUEST_JOINTS": request.slice("q").start + 7,
-        "REQUEST_JOINT_VELOCITIES": request.slice("v").start + 6,
-        "REQUEST_EXPLAIN": request.slice("explain").start,
+    }
+    sizes |= {
+        f"REQUEST_{name.upper()}": request.slice(name).start for name in ("q", "v", "explain")
     }
     sizes |= {
         f"REQUEST_{name.upper()}": request.slice(f"limits.{name}").start for name in LIMITS_READ

@@ -12,9 +12,10 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.encoding.laps import Lap, first_steady_lap
+from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.encoding.phase_oscillator import PhaseOscillator
+from tsd_casadi.encoding.steadiness import first_steady_lap
 from tsd_casadi.exceptions import SimulationError
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.hold import hold
@@ -23,6 +24,7 @@ from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.gains import Gains
 from tsd_casadi.repetition.observer import Observer
 from tsd_casadi.repetition.pace import Pace, Periods
+from tsd_casadi.repetition.phasing import PhasedShare, settling_time
 from tsd_casadi.repetition.plant import Plant, Truth
 from tsd_casadi.repetition.references import References
 from tsd_casadi.repetition.run import Run
@@ -96,15 +98,19 @@ class Repetition:
         hold(self._command, robot, motion.middle(robot))
         for task in dict.fromkeys(axis.rpartition(".")[0] for axis in learned):
             # an unknown task is told by References, with those that there are
-            if f"{task}.P" in tick_format.request.slices:
-                self._command[f"{task}.P"] *= gains.P
-                self._command[f"{task}.D"] *= gains.D
+            gains.scale(self._command, task)
         self._references = References(robot, tick_format, self._command, axes)
         self._oscillator = PhaseOscillator(motion.frequency, motion.start_phase)
         self._fall_height = FALL_HEIGHT * float(robot.home_com[2])
         self._flight_height = FLIGHT_HEIGHT * float(robot.home_com[2])
         self._log = TickLog()
         self._laps: list[Lap] = []
+        # nothing need not be phased in
+        self._share = PhasedShare(0.0 if self._feedforward.weights.any() else 1.0)
+        self._share.go_to(1.0, 0.0, 1 / motion.frequency)
+        # the newest tick in which more or less of the term was in use than before, by its time,
+        # and the laps that the loop's answer to such changes is in
+        self._last_share, self._changed, self._unsettled = self._share.at(0.0), 0.0, 0
         self.over = False
         self._fell = False
         self._steady = False
@@ -128,6 +134,7 @@ class Repetition:
         self._log.start(self.setting)
         for compensator in compensators:
             compensator.start(self.setting)
+        self._settling = settling_time(*(self.setting.gain(self._command, each) for each in "PD"))
 
     def end(self, observer: Observer) -> None:
         """Tell an observer that it is over, and how it ended."""
@@ -144,13 +151,16 @@ class Repetition:
         return self._plant.period * self._log.ticks
 
     def hold(self, progress: Progress | None) -> None:
-        """Stand in the middle of the motion; the feedforward is that of the starting phase."""
+        """Stand in the middle of the motion; the feedforward is that of the starting phase.
+
+        It is being phased in, over the first lap's time from here on.
+        """
         ticks = round(HOLD / self._plant.period)
         still = self._resting()
         feedforward = self._along(self._feedforward.mean([self._motion.start_phase]))[:, 0]
         tick = 0
         while tick < ticks:
-            tick += self._tick(-1, still, feedforward.copy())
+            tick += self._tick(-1, still, feedforward)
             if progress is not None and tick % 200 == 0:
                 progress(self._time, 2 * HOLD)
             if self._fell:
@@ -165,7 +175,7 @@ class Repetition:
             done = len(self._laps)
             if progress is not None:
                 progress(HOLD + done * period, HOLD + max(laps, done) * period)
-            if done >= laps and first_steady_lap(self._laps) is not None:
+            if done >= laps and self._first_steady() is not None:
                 self._steady = True
                 return
 
@@ -177,12 +187,13 @@ class Repetition:
         """
         first = None
         if len(self._laps) >= 2 and not self._fell:
-            first = first_steady_lap(self._laps)
+            first = self._first_steady()
             first = len(self._laps) - 2 if first is None else first
         log = self._log.log(first)
         statuses = Counter(log["status"].tolist())
         causes = Counter(log["missed"].tolist())
         vetoes = [item.veto for item in self._compensators if item.veto is not None]
+        remarks = [remark for item in self._compensators for remark in item.remarks]
         feedforward = self._feedforward
         if vetoes:
             feedforward = Feedforward.zero(feedforward.axes, feedforward.basis)
@@ -202,6 +213,7 @@ class Repetition:
             steady=self._steady,
             fell=self._fell,
             vetoes=vetoes,
+            remarks=remarks,
             failures={
                 Status(status).name.lower(): count
                 for status, count in statuses.items()
@@ -220,6 +232,13 @@ class Repetition:
         joints = zip(self._controller.format.joints, counts.tolist(), strict=True)
         return {joint: count for joint, count in joints if count}
 
+    def _first_steady(self) -> int | None:
+        """Find the first steady lap among those with all of the feedforward, or with none."""
+        # the one before them takes the place of the very first, which never counts
+        skipped = max(self._unsettled - 1, 0)
+        first = first_steady_lap(self._laps[skipped:])
+        return None if first is None else first + skipped
+
     def _along(self, learned: Vector) -> Vector:
         """Values of the learned axes as values of all axes, zero along the others."""
         rest = np.zeros((len(self.setting.axes) - self._learned, learned.shape[1]))
@@ -230,7 +249,7 @@ class Repetition:
         return Reference(nothing, nothing, nothing)
 
     def _lap(self) -> None:
-        start = self._log.ticks
+        start, began = self._log.ticks, self._time
         lap, step = self._oscillator.lap, self._oscillator.omega * self._plant.period
         # the whole lap's feedforward at once: a matrix product, not 4000
         count = math.ceil(2 * np.pi / step) + 1
@@ -238,7 +257,7 @@ class Repetition:
         feedforward = self._along(self._feedforward.mean(ahead))
         tick = 0
         while self._oscillator.lap == lap and not self._fell:
-            if self._tick(lap, self._reference(), feedforward[:, tick].copy()):
+            if self._tick(lap, self._reference(), feedforward[:, tick]):
                 self._oscillator.advance(self._plant.period)
                 tick += 1
         if not self._fell:
@@ -254,6 +273,8 @@ class Repetition:
                 feedforward=rows["feedforward"].T[:k],
             )
             self._laps.append(done)
+            if self._changed + self._settling > began:
+                self._unsettled = len(self._laps)
             for observer in self._observers:
                 observer.lap(done)
 
@@ -282,11 +303,22 @@ class Repetition:
             self._fell = True
             return False
         moment = Moment(
-            time, self._oscillator.phase, lap, state, reference, feedforward, self._command
+            time,
+            self._oscillator.phase,
+            lap,
+            state,
+            reference,
+            feedforward,
+            self._command,
+            offered=feedforward,
         )
         moment.truth = truth
+        moment.share = self._share.at(time)
+        moment.feedforward = moment.share * feedforward
         for compensator in self._compensators:
             compensator.before(moment)
+        if moment.share != self._last_share:
+            self._last_share, self._changed = moment.share, time
         self._references.write(reference.x, reference.xd, reference.xdd, moment.feedforward)
         moment.true_error = (
             np.full(len(self.setting.axes), np.nan)

@@ -11,10 +11,12 @@ from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.record import context_of
 from tsd_casadi.repetition.run import Run
+from tsd_casadi.repetition.what_to_try import what_to_try
 from tsd_casadi.repetition.why_infeasible import why_infeasible
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.actions.aborted import keep_aborted
 from tsd_cli.actions.label import describe_motion, label_of
+from tsd_cli.actions.open_learner import open_learner
 from tsd_cli.actions.prepare import (
     asked_motion,
     chosen_axes,
@@ -23,7 +25,6 @@ from tsd_cli.actions.prepare import (
     chosen_pace,
     make_simulator,
     open_controller,
-    open_learner,
 )
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.motion import FeedforwardChoice, MotionOptions, SingleRepetitionOptions
@@ -87,8 +88,8 @@ def simulate_once(
             pace=pace,
             on_abort=keep,
         )
-    for veto in run.vetoes:
-        typer.echo(f"note: {veto}", err=True)
+    for note in (*run.vetoes, *run.remarks, *what_to_try(run)):
+        typer.echo(f"note: {note}", err=True)
     if why := why_infeasible(run):
         typer.echo(f"note: {why}", err=True)
     missing = [] if learned is None else [axis for axis in axes if axis not in learned.axes]

@@ -20,6 +20,11 @@ void bound_accelerations(const struct joint_limits* s, const double* limit, enum
   }
 }
 
+double state_of_torque(double at, double v, double limit, double stall, double no_load) {
+  const double share = at > 0.0 ? v / no_load : -v / no_load;
+  return at != 0.0 && stall * fmax(1.0 - share, 0.0) < limit ? 6.0 * at : at;
+}
+
 /* below -1, above 1, between 0, up to a share of 1 + |bound| */
 static int side_of(double value, double lower, double upper) {
   if (value > upper + LIMIT_TOLERANCE * (1.0 + fabs(upper))) return 1;
@@ -27,15 +32,16 @@ static int side_of(double value, double lower, double upper) {
   return 0;
 }
 
-/* The limit of velocity or position that a joint is past now, whatever comes next; 0 for none. */
+/* Which limit a joint is past now, whatever comes next; 0 for none. */
 static double passed_limit(const double* request, int i) {
-  const double q = request[REQUEST_JOINTS + i], v = request[REQUEST_JOINT_VELOCITIES + i];
+  const int joint = N_V - N_TAU + i; /* in q after a quaternion */
+  const double q = request[REQUEST_Q + joint + 1], v = request[REQUEST_V + joint];
   const double fastest = request[REQUEST_VELOCITY + i];
   if (request[REQUEST_POSITION_ACTIVE]) {
-    if (q > request[REQUEST_POSITION_UPPER + i]) return 4.0;
-    if (q < request[REQUEST_POSITION_LOWER + i]) return -4.0;
+    if (q > request[REQUEST_POSITION_UPPER + i]) return 7.0;
+    if (q < request[REQUEST_POSITION_LOWER + i]) return -7.0;
   }
-  if (request[REQUEST_VELOCITY_ACTIVE] && fabs(v) > fastest) return v > 0.0 ? 5.0 : -5.0;
+  if (request[REQUEST_VELOCITY_ACTIVE] && fabs(v) > fastest) return v > 0.0 ? 8.0 : -8.0;
   return 0.0;
 }
 

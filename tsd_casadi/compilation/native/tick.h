@@ -11,6 +11,7 @@
 
 struct posture_work {
   double G[N_J * N_J], Y[N_J * N_V];
+  double J[N_J * N_V], root[N_J]; /* rows in order, roots of their levels */
   double N[N_V * N_V], WN[N_V * N_V], P[N_V * N_V];
 };
 
@@ -42,6 +43,10 @@ void bound_accelerations(const struct joint_limits* s, const double* limit, enum
 double state_of_joint(const struct joint_limits* s, const double* request, int i, double qdd,
                       double lower, double upper, double at);
 
+/* What the reply says of a joint's torque, which is at a bound (-1, 1) or not (0): whether the
+ * speed v makes it, as torque_speed.py. */
+double state_of_torque(double at, double v, double limit, double stall, double no_load);
+
 /* each limit from above and from below */
 #define N_SIDES (2 * N_REDUCED)
 /* bounds beyond this are none, as in explanation/reduced_rows.py */
@@ -71,9 +76,10 @@ void find_conflict(int n_y, const double* x_0, const double* Z, const double* A,
                    const double* lower, const double* upper, struct conflict_work* work,
                    double* conflict);
 
-/* H_qdd (N_V, N_V) and g_qdd gain the posture; J (N_J, N_V) by columns.
+/* H_qdd (N_V, N_V) and g_qdd gain the posture; J (N_J, N_V) by columns, its rows zero where
+ * their level, from 0 to 1, is 0.
  * Returns 0, or -1 if the numbers are not finite. */
-int add_posture(const double* J, const double* W_q, const double* qdd_des,
+int add_posture(const double* J, const double* level, const double* W_q, const double* qdd_des,
                 struct posture_work* work, double* H_qdd, double* g_qdd);
 
 /* x_0 and Z from the first rows of A (N_GENERAL, N_X, by columns) and their
