@@ -22,6 +22,18 @@ PRIMAL_TOLERANCE = 1e-10
 LIMIT_TOLERANCE = 1e-6
 # Some 30 times what stressed states need.
 ITERATION_LIMIT = 400
+# What native/ reads of the request's limits.
+LIMITS_READ = (
+    "torque",
+    "stall_torque",
+    "no_load_speed",
+    "acceleration",
+    "velocity",
+    "velocity_active",
+    "position_lower",
+    "position_upper",
+    "position_active",
+)
 # The hand-written part, in native/.
 NATIVE = (
     "dense.h",
@@ -73,13 +85,13 @@ def _header(problem: InverseDynamics) -> str:
         "LIMIT_TOLERANCE": LIMIT_TOLERANCE,
         "ITERATION_LIMIT": ITERATION_LIMIT,
         "YIELDING_WEIGHT": YIELDING_WEIGHT,
-        "REQUEST_V": request.slice("v").start,
-        "REQUEST_TORQUE": request.slice("limits.torque").start,
-        "REQUEST_STALL_TORQUE": request.slice("limits.stall_torque").start,
-        "REQUEST_NO_LOAD_SPEED": request.slice("limits.no_load_speed").start,
-        "REQUEST_ACCELERATION": request.slice("limits.acceleration").start,
-        "REQUEST_EXPLAIN": request.slice("explain").start,
         "QUATERNION_TOLERANCE": QUATERNION_TOLERANCE,
+    }
+    sizes |= {
+        f"REQUEST_{name.upper()}": request.slice(name).start for name in ("q", "v", "explain")
+    }
+    sizes |= {
+        f"REQUEST_{name.upper()}": request.slice(f"limits.{name}").start for name in LIMITS_READ
     }
     sizes |= {f"REPLY_{part.name.upper()}": reply.slice(part.name).start for part in reply}
     sizes |= _work_sizes(problem)

@@ -304,7 +304,7 @@ static void fill_solution(const struct tick* t, const double* request, int n_act
   for (int i = 0; i < N_FORCE_PLACES; i++)
     reply[REPLY_WRENCHES + force_places[i]] = t->x[N_V + i];
   double* active = reply + REPLY_ACTIVE;
-  for (int i = 0; i < N_EQUALITIES; i++) active[N_V + i] = t->reduced.dependent[i] ? 7.0 : 2.0;
+  for (int i = 0; i < N_EQUALITIES; i++) active[N_V + i] = t->reduced.dependent[i] ? 9.0 : 2.0;
   for (int i = 0; i < n_active; i++) {
     const int row = t->work.WS[i];
     const int named = row < N_TAU ? N_V - N_TAU + row : N_V + N_EQUALITIES + row - N_TAU;
@@ -312,8 +312,8 @@ static void fill_solution(const struct tick* t, const double* request, int n_act
   }
   for (int i = 0; i < N_TAU; i++) {
     const int row = N_V - N_TAU + i;
-    active[row] =
-        state_of_joint(&t->limits, i, t->x[row], t->lower[row], t->upper[row], active[row]);
+    active[row] = state_of_joint(&t->limits, request, i, t->x[row], t->lower[row],
+                                 t->upper[row], active[row]);
     double* torque = active + N_ROWS - N_TAU + i;
     *torque = state_of_torque(*torque, request[REQUEST_V + row], request[REQUEST_TORQUE + i],
                               request[REQUEST_STALL_TORQUE + i],

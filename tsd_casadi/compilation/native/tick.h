@@ -46,8 +46,8 @@ void bound_accelerations(const struct joint_limits* s, const double* limit, enum
                          double* lower, double* upper);
 
 /* What the reply says of a joint's row, which is at a bound (-1, 1) or not (0). */
-double state_of_joint(const struct joint_limits* s, int i, double qdd, double lower, double upper,
-                      double at);
+double state_of_joint(const struct joint_limits* s, const double* request, int i, double qdd,
+                      double lower, double upper, double at);
 
 /* What the reply says of a joint's torque, which is at a bound (-1, 1) or not (0): whether the
  * speed v makes it, as torque_speed.py. */
