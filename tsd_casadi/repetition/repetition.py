@@ -15,8 +15,9 @@ from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.encoding.phase_oscillator import PhaseOscillator
-from tsd_casadi.encoding.steadiness import first_steady_lap
+from tsd_casadi.encoding.steadiness import first_steady_lap, steady_from
 from tsd_casadi.exceptions import SimulationError
+from tsd_casadi.learning.axis_error import unit_of_axis
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.hold import hold
 from tsd_casadi.motions.motion import Motion, Reference
@@ -83,6 +84,7 @@ class Repetition:
         self._moved = motion.axes(robot)
         axes = (*learned, *(axis for axis in self._moved if axis not in learned))
         self._learned = len(learned)
+        self._units = [unit_of_axis(axis) for axis in learned]
         self._places = np.array([axes.index(axis) for axis in self._moved], dtype=int)
         self._all_move = axes == self._moved
         self._feedforward = (
@@ -106,7 +108,7 @@ class Repetition:
         self._laps: list[Lap] = []
         self.over = False
         self._fell = False
-        self._steady = False
+        self._first_steady: int | None = None
         self._infeasible_request: Vector | None = None
         # where nobody tells the truth
         self._model, self._data = robot.model, robot.model.createData()
@@ -129,7 +131,8 @@ class Repetition:
 
     def end(self, observer: Observer) -> None:
         """Tell an observer that it is over, and how it ended."""
-        outcome = "fell" if self._fell else "steady" if self._steady else "never steady"
+        steady = self._first_steady is not None
+        outcome = "fell" if self._fell else "steady" if steady else "never steady"
         observer.end(outcome if self.over else "aborted")
 
     @property
@@ -163,9 +166,12 @@ class Repetition:
             done = len(self._laps)
             if progress is not None:
                 progress(HOLD + done * period, HOLD + max(laps, done) * period)
-            if done >= laps and first_steady_lap(self._laps) is not None:
-                self._steady = True
-                return
+            if done >= laps:
+                self._first_steady = steady_from(
+                    self._laps, self._units, is_last_chance=done == bound
+                )
+                if self._first_steady is not None:
+                    return
 
     def finish(self, settings: dict[str, Any], aborted: str = "") -> Run:
         """Measure and pack up.
@@ -175,7 +181,9 @@ class Repetition:
         """
         first = None
         if len(self._laps) >= 2 and not self._fell:
-            first = first_steady_lap(self._laps)
+            first = self._first_steady
+            # what was ended early may have been steady before
+            first = first_steady_lap(self._laps, self._units) if first is None else first
             first = len(self._laps) - 2 if first is None else first
         log = self._log.log(first)
         statuses = Counter(log["status"].tolist())
@@ -197,7 +205,7 @@ class Repetition:
             log=log,
             laps=[] if first is None else self._laps[first:],
             laps_run=len(self._laps),
-            steady=self._steady,
+            steady=self._first_steady is not None,
             fell=self._fell,
             vetoes=vetoes,
             failures={
