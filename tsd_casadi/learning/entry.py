@@ -153,7 +153,9 @@ class Entry:
         Empty while no iteration was tested with known position errors, or if
         nobody said at which frequency, P and D.
         """
-        tests = self._tests(self.best) if self.iterations else []
+        if not any(each.error_weights is not None for each in self.iterations):
+            return ()  # in a list for instance, for which no weights are decoded
+        tests = self._tests(self.best)
         repetitions = [test.repetition for test in tests if test.repetition is not None]
         if not repetitions:
             return ()

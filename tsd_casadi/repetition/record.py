@@ -31,14 +31,14 @@ def record_of(
     """
     what = " ".join(f"{name}={value:g}" for name, value in run.motion.parameters.items())
     if run.fell:
-        why = why_infeasible(run, robot)
+        why = why_infeasible(run)
         raise SimulationError(
             f"the robot fell in {run.motion.name} {what}; nothing was recorded. Try a smaller "
             "motion, a smaller model error or a larger P" + (f"; {why}" if why else "")
         )
     if run.failures:
         kinds = ", ".join(f"{count} {kind}" for kind, count in run.failures.items())
-        why = why_infeasible(run, robot)
+        why = why_infeasible(run)
         raise SimulationError(
             f"the controller answered ticks of {run.motion.name} {what} with a safe torque "
             f"({kinds}); nothing was recorded. Look at limits, weights and friction"
