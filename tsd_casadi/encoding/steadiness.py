@@ -40,7 +40,7 @@ def _whole(lap: Lap) -> Matrix:
     return lap.feedback if lap.feedforward is None else lap.feedback + lap.feedforward
 
 
-def _tolerance(size: Vector, units: Sequence[str]) -> Vector:
+def tolerance(size: Vector, units: Sequence[str]) -> Vector:
     """Compute how far apart laps that are steady may be along each axis.
 
     An axis along which next to nothing is added is as steady as those beside it: its
@@ -66,7 +66,7 @@ def _agree(one: Lap, other: Lap, units: Sequence[str]) -> bool:
     ):
         a = measure(one.feedback, axis=1)
         b = measure(other.feedback, axis=1)
-        if not bool(np.all(np.abs(a - b) < _tolerance(size, units))):
+        if not bool(np.all(np.abs(a - b) < tolerance(size, units))):
             return False
     return True
 
@@ -138,4 +138,4 @@ def drifts(fitted: Sequence[Matrix], scatter: Scatter, basis: PeriodicBasis) -> 
 def _is_accurate(laps: Sequence[Lap], scatter: Scatter, units: Sequence[str]) -> bool:
     """Say whether the mean of laps is known as well as that of two laps that agree."""
     size = np.sqrt(np.mean([np.mean(_whole(lap) ** 2, axis=1) for lap in laps], axis=0))
-    return bool((scatter.of_mean <= _tolerance(size, units)).all())
+    return bool((scatter.of_mean <= tolerance(size, units)).all())
