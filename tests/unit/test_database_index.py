@@ -74,7 +74,8 @@ def test_an_exact_query_decodes_one_entry_and_the_weights_it_serves(
 ) -> None:
     with Database(filled) as database:
         answer = ask(database, 3)
-        # the entry, its event (once more for the declaration), two iterations of which one was learned from the other
+        # the entry, its event (once more for the declaration), two iterations: what is served
+        # and what it was learned from
         assert len(decoded) <= 7
         assert decoded.count(IterationOutline) == 2
         assert decoded.count(IterationRow) == 2
