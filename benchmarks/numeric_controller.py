@@ -141,10 +141,11 @@ class NumericController:
             rows.append(row)
             lower.append(low)
             upper.append(np.full(len(low), INFINITY))
-        limit = read("limits.torque")
         rows.append(dynamics[6:])
-        lower.append(-limit - h[6:])
-        upper.append(limit - h[6:])
+        share = v[6:] / read("limits.no_load_speed")
+        for bounds, way in ((lower, -1), (upper, 1)):
+            left = np.maximum(read("limits.stall_torque") * (1 - way * share), 0.0)
+            bounds.append(way * np.minimum(read("limits.torque"), left) - h[6:])
 
         # cost
         H, g = np.zeros((nx, nx)), np.zeros(nx)

@@ -17,6 +17,7 @@ from tsd_casadi.wire import endpoints, keys, session_settings
 from tsd_casadi.wire.feedforward import FeedforwardMessage
 from tsd_casadi.wire.health import HealthMessage
 from tsd_casadi.wire.learner import DatabaseReply, RecordReply
+from tsd_casadi.wire.listing import LARGEST_PAGE
 from tsd_casadi.wire.message import VERSION
 from tsd_casadi.wire.record import RecordMessage
 from tsd_casadi.wire.suggestion import SuggestionMessage
@@ -109,7 +110,9 @@ Services listen on explicit endpoints, by default `{endpoints.CONTROLLER}` (cont
 | `{keys.suggestion_key("<robot>")}` | `{REGION}` | JSON `tsd.suggestion/2` |
 | `{keys.record_key("<robot>")}` | takes the laps of one repetition | JSON `tsd.record/2`, \
 answered by `tsd.recorded/2` |
-| `{keys.database_key("<robot>")}` | what is known; `?forget=N` removes entry N \
+| `{keys.database_key("<robot>")}` | what is known: the {LARGEST_PAGE:,} entries \
+recorded last or those of `?motion=squat;limit=40`, \
+page by page with `?after=N`; `?forget=N` removes entry N \
 | JSON `tsd.database/2` |
 | `{keys.health_key("<robot>", "<role>")}` | uptime, counts by kind, latencies \
 | JSON `tsd.health/2` |

@@ -24,7 +24,7 @@ from tsd_casadi import (
     Tick,
 )
 from tsd_casadi import load_robot as load
-from tsd_casadi.encoding.laps import first_steady_lap
+from tsd_casadi.encoding.steadiness import first_steady_lap
 from tsd_casadi.exceptions import InvalidValue, ParityError, RobotFileError, SimulationError
 from tsd_casadi.learning.axis_error import AxisError
 from tsd_casadi.motions.circle import Circle

@@ -15,6 +15,7 @@ from tsd_casadi.constraints.joint_acceleration import joint_acceleration
 from tsd_casadi.constraints.joint_torque import joint_torque
 from tsd_casadi.constraints.normal_torque import normal_torque
 from tsd_casadi.constraints.rows import INFINITY, AccelerationBounds, Rows
+from tsd_casadi.constraints.torque_speed import TorqueBounds
 from tsd_casadi.constraints.unilateral_force import unilateral_force
 
 NV = 8
@@ -235,7 +236,10 @@ def test_joint_torque_rows_bound_the_affine_torque(
     A_tau = np.random.default_rng(0).normal(size=(2, NV + 6))
     h_a = np.array([5.0, -7.0])
     rows = joint_torque(
-        ["hip", "knee"], ca.SX(ca.DM(A_tau)), ca.SX(ca.DM(h_a)), ca.SX(ca.DM(limits))
+        ["hip", "knee"],
+        ca.SX(ca.DM(A_tau)),
+        ca.SX(ca.DM(h_a)),
+        TorqueBounds(ca.SX(-ca.DM(limits)), ca.SX(ca.DM(limits))),
     )
     A, lower, upper = numeric(rows)
     tau = A_tau @ x + h_a

@@ -66,6 +66,7 @@ def test_switches_and_quaternions_of_the_request(tick_format: TickFormat) -> Non
         "right_foot.active",
         "limits.velocity_active",
         "limits.position_active",
+        "explain",
     ]
     quaternions = [layout.locate(index) for index in layout.quaternions()]
     assert [(field.name, position) for field, position in quaternions] == [
@@ -92,6 +93,7 @@ def test_everything_a_user_may_change_is_in_the_request(tick_format: TickFormat)
         *(f"limits.position_{end}" for end in ("lower", "upper")),
         *(f"limits.{quantity}_active" for quantity in ("velocity", "position")),
         "period",
+        "explain",
         "safe_torque.D",
     }
 
@@ -110,6 +112,7 @@ def test_sizes_of_the_reply(tick_format: TickFormat, robot: Robot) -> None:
         "error": 9,
         "feedback": 9,
         "active": len(tick_format.row_names),
+        "conflict": len(tick_format.row_names),
     }
 
 

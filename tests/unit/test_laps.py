@@ -5,12 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tsd_casadi.encoding.laps import (
+from tsd_casadi.encoding.laps import Lap, join_laps
+from tsd_casadi.encoding.steadiness import (
     ABSOLUTE_TOLERANCE,
     RELATIVE_TOLERANCE,
-    Lap,
     first_steady_lap,
-    join_laps,
 )
 
 PHASE = np.linspace(0, 2 * np.pi, 200, endpoint=False)

@@ -367,9 +367,15 @@ def test_entry_message_says_what_is_served_and_tested() -> None:
     assert [item.number for item in ENTRY.iterations] == [0, 1, 2]
     assert ENTRY.served == 2
     assert ENTRY.iterations[2].errors is None
-    assert ENTRY.iterations[1].errors == {
-        "com.z": AxisErrorMessage(rms=1e-3, ac_rms=1e-4, unit="m")
+    errors = ENTRY.iterations[1].errors
+    assert errors is not None
+    assert errors["com.z"].model_dump(exclude={"scatter"}, exclude_none=True) == {
+        "rms": 1e-3,
+        "ac_rms": 1e-4,
+        "laps": 2,
+        "unit": "m",
     }
+    assert errors["com.z"].scatter is not None
     assert ENTRY.context.context() == CONTEXT
     assert ENTRY.axes == [AxisMessage(name="com.z", unit="m")]
 

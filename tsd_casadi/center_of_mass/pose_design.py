@@ -23,7 +23,7 @@ from tsd_casadi.center_of_mass.mass_prior import NOISE, MassPrior
 from tsd_casadi.center_of_mass.static_chain import StaticChain
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file_sections import FrameTaskFile
+from tsd_casadi.robot.robot_file_tasks import FrameTaskFile
 from tsd_casadi.robot.standing import stand, standing_heights
 from tsd_casadi.state import Matrix, State, Vector
 

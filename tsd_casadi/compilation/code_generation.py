@@ -22,7 +22,15 @@ LIMIT_TOLERANCE = 1e-6
 # Some 30 times what stressed states need.
 ITERATION_LIMIT = 400
 # The hand-written part, in native/.
-NATIVE = ("dense.h", "tick.h", "posture.c", "elimination.c", "joint_limits.c", "tick.c")
+NATIVE = (
+    "dense.h",
+    "tick.h",
+    "posture.c",
+    "elimination.c",
+    "joint_limits.c",
+    "conflict.c",
+    "tick.c",
+)
 
 
 def generate_sources(problem: InverseDynamics) -> dict[str, str]:
@@ -61,7 +69,12 @@ def _header(problem: InverseDynamics) -> str:
         "LIMIT_TOLERANCE": LIMIT_TOLERANCE,
         "ITERATION_LIMIT": ITERATION_LIMIT,
         "YIELDING_WEIGHT": YIELDING_WEIGHT,
+        "REQUEST_V": request.slice("v").start,
+        "REQUEST_TORQUE": request.slice("limits.torque").start,
+        "REQUEST_STALL_TORQUE": request.slice("limits.stall_torque").start,
+        "REQUEST_NO_LOAD_SPEED": request.slice("limits.no_load_speed").start,
         "REQUEST_ACCELERATION": request.slice("limits.acceleration").start,
+        "REQUEST_EXPLAIN": request.slice("explain").start,
         "QUATERNION_TOLERANCE": QUATERNION_TOLERANCE,
     }
     sizes |= {f"REPLY_{part.name.upper()}": reply.slice(part.name).start for part in reply}

@@ -94,6 +94,7 @@ class Database(Reading):
             notes += entry.add(recording, instruction)
             entry.updated = _now()
             self._new_rows.add(entry, "recorded")
+        self._read_back(entry.key)
         return entry, notes
 
     def forget(self, identifier: int) -> Entry | None:
@@ -161,6 +162,17 @@ class Database(Reading):
         """
         with self._file.transaction():
             return find_damages(self._file, self._rows)
+
+    def _read_back(self, key: EntryKey) -> None:
+        """Decode what the file serves now, so that whoever asks next need not.
+
+        A robot asks for what it has just recorded. What is kept is read from the file,
+        so that nobody is ever served what is not there.
+        """
+        with self._file.transaction():
+            indexed = self._index.exact(key)
+            if indexed is not None:
+                self._rows.served(indexed)
 
     def _find(self, key: EntryKey) -> Entry | None:
         """Read the entry of a key; one of unknown context where there is no other.

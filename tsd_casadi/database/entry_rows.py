@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from tsd_casadi.database.damaged_entry import DamagedEntry
@@ -50,11 +50,21 @@ class EntryRows:
             robot: Only of this robot.
             motion: Only of this motion.
         """
-        return self._read(IterationRow, robot, motion)
+        rows = select(
+            self._file,
+            "entry",
+            f"(? IS NULL OR robot = ?) AND (? IS NULL OR motion = ?) AND {_NOT_FORGOTTEN} "
+            "ORDER BY id",
+            (robot, robot, motion, motion),
+        )
+        return self._built(rows, IterationRow)
 
-    def outlines(self, robot: str | None = None, motion: str | None = None) -> Read:
-        """Read entries without their weights; arguments as above."""
-        return self._read(IterationOutline, robot, motion)
+    def outlines(self, identifiers: Sequence[int]) -> Read:
+        """Read entries of some numbers without their weights; the rest as above."""
+        return self._built(
+            (row for each in identifiers for row in select(self._file, "entry", "id = ?", (each,))),
+            IterationOutline,
+        )
 
     def entry(self, identifier: int) -> Entry | DamagedEntry:
         """Read one entry anew, or say why it cannot be."""
@@ -113,14 +123,7 @@ class EntryRows:
         """Read the newest row of each iteration of an entry."""
         return select(self._file, "iteration", _NEWEST, (identifier,))
 
-    def _read(self, kind: type[IterationOutline], robot: str | None, motion: str | None) -> Read:
-        rows = select(
-            self._file,
-            "entry",
-            f"(? IS NULL OR robot = ?) AND (? IS NULL OR motion = ?) AND {_NOT_FORGOTTEN} "
-            "ORDER BY id",
-            (robot, robot, motion, motion),
-        )
+    def _built(self, rows: Iterable[Columns], kind: type[IterationOutline]) -> Read:
         entries, damaged = [], []
         for row in rows:
             try:

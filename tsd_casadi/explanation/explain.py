@@ -74,15 +74,8 @@ def _tasks(problem: InverseDynamics, request: Vector) -> tuple[Matrix, Vector]:
     dependent one, nothing is known and the smallest number is taken.
     """
     values = dict(zip(problem.terms.name_out(), problem.terms(request), strict=True))
-    k = sum(task.k for task in problem.tasks)
-    J = np.array(values["J"])[:k]
-    W = np.zeros((k, k))
-    first = 0
-    for task in problem.tasks:
-        rows, columns = np.tril_indices(task.k)
-        packed = request[problem.request.slice(f"{task.name}.W")]
-        W[first + rows, first + columns] = W[first + columns, first + rows] = packed
-        first += task.k
+    W = np.array(problem.task_weight(request))
+    J = np.array(values["J"])[: len(W)]
     gradient = np.array(values["g"])[: problem.nv, 0]
     wanted = np.linalg.lstsq(J.T @ W, -gradient, rcond=None)[0]
     return J, np.asarray(wanted, dtype=float)

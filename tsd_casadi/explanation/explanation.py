@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from tsd_casadi.explanation.conflict_sentence import tell_conflict
 from tsd_casadi.explanation.row_words import describe_row
-
-# rows in a sentence; more are counted
-FEW = 4
 
 
 @dataclass(frozen=True)
@@ -87,12 +85,7 @@ class Explanation:
         if self.contradicting:
             return f"these equalities contradict each other: {', '.join(self.contradicting)}"
         if self.conflict:
-            main = [row for row in self.conflict if not row.name.startswith("joint_acceleration")]
-            shown = (main or list(self.conflict))[:FEW]
-            others = len(self.conflict) - len(shown)
-            rest = f" and {others} other rows" if others else ""
-            listed = ", ".join(_tell(row) for row in shown)
-            return f"these limits cannot hold together: {listed}{rest}"
+            return tell_conflict({row.name: row.alone for row in self.conflict})
         if self.dependent:
             return f"{self.dependent} of the equalities follow from others: contacts are redundant"
         return "all limits can hold together"
@@ -107,8 +100,3 @@ class Explanation:
             "limits": [limit.plain() for limit in self.limits],
             "otherwise": self.otherwise,
         }
-
-
-def _tell(row: ConflictingRow) -> str:
-    words = describe_row(row.name)
-    return f"{row.name} (short of {row.alone:.3g} {words.unit} by itself)"

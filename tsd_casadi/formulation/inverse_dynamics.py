@@ -18,7 +18,9 @@ from the functions here.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -29,6 +31,7 @@ from tsd_casadi.constraints.joint_position import position_bounds
 from tsd_casadi.constraints.joint_torque import joint_torque
 from tsd_casadi.constraints.joint_velocity import velocity_bounds
 from tsd_casadi.constraints.rows import AccelerationBounds, Rows, stack_rows
+from tsd_casadi.constraints.torque_speed import TorqueBounds, torque_bounds
 from tsd_casadi.costs.force_regularization import force_cost
 from tsd_casadi.costs.null_space_posture import (
     null_space_projector,
@@ -44,9 +47,9 @@ from tsd_casadi.formulation.safe_torque import safe_torque
 from tsd_casadi.formulation.tick_layouts import request_layout, tick_format
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
-from tsd_casadi.tasks.desired_acceleration import desired_acceleration, feedback_acceleration
+from tsd_casadi.tasks.desired_acceleration import desired_acceleration
 from tsd_casadi.tasks.make_tasks import make_tasks
-from tsd_casadi.tasks.task import Task, symmetric_matrix
+from tsd_casadi.tasks.task import Task
 from tsd_casadi.tick.layout import Layout
 
 
@@ -75,6 +78,7 @@ class _ContactTerms:
 
     J: ca.SX
     J_active: ca.SX
+    level: ca.SX
     equalities: list[Rows]
     inequalities: list[Rows]
     W_lambda: ca.SX
@@ -87,7 +91,8 @@ class _TaskCosts:
 
     H: ca.SX
     g: ca.SX
-    J_active: list[ca.SX]
+    J_active: ca.SX
+    level: ca.SX
     error: ca.SX
     feedback: ca.SX
 
@@ -108,7 +113,7 @@ class InverseDynamics:
         n_equalities: Number of equality rows, right after the bounds.
         terms: Function request -> everything but the posture's share of the
             cost: H_qdd, H_lambda (a diagonal), g, A, lower, upper, h_a, error,
-            feedback, J, W_q, qdd_des of the posture, and what velocity and
+            feedback, J, level, W_q, qdd_des of the posture, and what velocity and
             position ask of the joints' accelerations.
         qp: Function request -> H, g, A, lower, upper, h_a, error, feedback and
             the bounds by velocity and position: the definition of the QP.
@@ -154,6 +159,10 @@ class InverseDynamics:
         H, g, A, lower, upper = (np.array(part) for part in self.qp(request)[:5])
         return QuadraticProgram(H, g[:, 0], A, lower[:, 0], upper[:, 0])
 
+    def _read_of(self, part: str) -> Callable[[str], ca.SX]:
+        """Give the fields of one task or contact by name."""
+        return lambda name: self._read(f"{part}.{name}")
+
     def _read(self, name: str) -> ca.SX:
         return self._request[self.request.slice(name)]
 
@@ -169,7 +178,8 @@ class InverseDynamics:
         velocity, position = self._velocity_bounds(braking), self._position_bounds(braking)
         bounds = joint_acceleration(joints, limit, [velocity, position], self.nx)
         equalities = stack_rows([unactuated_dynamics(M, h, contacts.J), *contacts.equalities])
-        torques = joint_torque(joints, A_tau, h_a, self._read("limits.torque"))
+        allowed = self._torque_bounds()
+        torques = joint_torque(joints, A_tau, h_a, allowed)
         rows = stack_rows([equalities, *contacts.inequalities, torques])
         self.row_names: tuple[str, ...] = (*bounds.names, *rows.names)
         self.n_equalities = len(equalities.names)
@@ -195,7 +205,8 @@ class InverseDynamics:
                 "h_a": h_a,
                 "error": tasks.error,
                 "feedback": tasks.feedback,
-                "J": ca.vertcat(*tasks.J_active, contacts.J_active),
+                "J": ca.vertcat(tasks.J_active, contacts.J_active),
+                "level": ca.vertcat(tasks.level, contacts.level),
                 "W_q": self._read("posture.W"),
                 "qdd_des": qdd_des,
                 "velocity_lower": velocity.lower,
@@ -209,9 +220,17 @@ class InverseDynamics:
             contacts.J_active,
             self._dynamics.v,
             self._read("safe_torque.D"),
-            self._read("limits.torque"),
+            allowed,
         )
         return terms, self._function("safe_torque", {"tau": safe})
+
+    def _torque_bounds(self) -> TorqueBounds:
+        return torque_bounds(
+            self._dynamics.v[6:],
+            self._read("limits.torque"),
+            self._read("limits.stall_torque"),
+            self._read("limits.no_load_speed"),
+        )
 
     def _velocity_bounds(self, braking: ca.SX) -> AccelerationBounds:
         return velocity_bounds(
@@ -234,7 +253,7 @@ class InverseDynamics:
         )
 
     def _contact_terms(self) -> _ContactTerms:
-        J_all, J_active, equalities, inequalities = [], [], [], []
+        J_all, J_active, level, equalities, inequalities = [], [], [], [], []
         forces = ca.SX.eye(self.nx - self.nv)
         first = 0
         for contact in self.contacts:
@@ -248,12 +267,14 @@ class InverseDynamics:
             J, drift = contact.kinematics(self._dynamics)
             J_all.append(J)
             J_active.append(active * J)
+            level.append(ca.repmat(active, contact.size, 1))
             equalities.append(contact_acceleration(contact.name, J, drift, active, selection))
             inequalities += contact.cone(read, self.nv, selection)
         names = [contact.name for contact in self.contacts]
         return _ContactTerms(
             J=ca.vertcat(*J_all),
             J_active=ca.vertcat(*J_active),
+            level=ca.vertcat(*level),
             equalities=equalities,
             inequalities=inequalities,
             W_lambda=ca.vertcat(*[self._read(f"{name}.W_lambda") for name in names]),
@@ -263,25 +284,38 @@ class InverseDynamics:
     def _task_costs(self) -> _TaskCosts:
         H = self._read("regularization.acceleration") * ca.SX.eye(self.nv)
         g = ca.SX.zeros(self.nv)
-        J_active, errors, feedbacks = [], [], []
+        J_active, levels, errors, feedbacks = [], [], [], []
         for task in self.tasks:
-
-            def read(name: str, prefix: str = task.name) -> ca.SX:
-                return self._read(f"{prefix}.{name}")
-
+            read = self._read_of(task.name)
             terms = task.terms(self._dynamics, read)
-            feedback = feedback_acceleration(read("P"), terms.error, read("D"), terms.error_rate)
+            feedback = task.feedback(terms, read)
             xdd_des = desired_acceleration(
                 read("reference_acceleration"), read("feedforward"), feedback
             )
-            active = read("active")
-            weighted = active * terms.J.T @ symmetric_matrix(read("W"), task.k)
+            level = task.levels(read)
+            weighted = terms.J.T @ task.weight(read, self._rest_weight())
             H += weighted @ terms.J
             g -= weighted @ (xdd_des - terms.drift)
-            J_active.append(active * terms.J)
+            J_active.append((level > 0) * terms.J)
+            levels.append(level)
             errors.append(terms.error)
             feedbacks.append(feedback)
-        return _TaskCosts(H, g, J_active, ca.vertcat(*errors), ca.vertcat(*feedbacks))
+        return _TaskCosts(
+            H, g, *(ca.vertcat(*each) for each in (J_active, levels, errors, feedbacks))
+        )
+
+    def _rest_weight(self) -> ca.SX:
+        """Write the weight of what takes over from a task: posture and regularisation."""
+        posture = ca.sum1(self._read("posture.W")) / self.nv
+        return posture + self._read("regularization.acceleration")
+
+    @cached_property
+    def task_weight(self) -> ca.Function:
+        """Function request -> W_s, the tasks' weights as their levels leave them, (k, k)."""
+        weights = [
+            task.weight(self._read_of(task.name), self._rest_weight()) for task in self.tasks
+        ]
+        return self._function("task_weight", {"W": ca.diagcat(*weights)})
 
     def _function(self, name: str, outputs: dict[str, ca.SX]) -> ca.Function:
         dense = [ca.densify(value) for value in outputs.values()]
@@ -296,7 +330,7 @@ class InverseDynamics:
         request = ca.MX.sym("request", self.request.size)
         names = [self.terms.name_out(i) for i in range(self.terms.n_out())]
         values = dict(zip(names, self.terms.call([request]), strict=True))
-        P_null = null_space_projector(values.pop("J"))
+        P_null = null_space_projector(values.pop("J"), values.pop("level"))
         H, g = posture_cost(P_null, values.pop("W_q"), values.pop("qdd_des"))
         H_qdd, H_lambda = values.pop("H_qdd"), values.pop("H_lambda")
         outputs = {"H": ca.diagcat(H_qdd + H, ca.diag(H_lambda)), **values}

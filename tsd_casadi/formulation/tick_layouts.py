@@ -11,6 +11,17 @@ from tsd_casadi.tasks.task import Task
 from tsd_casadi.tick.format import TickFormat
 from tsd_casadi.tick.layout import Field, Layout
 
+EXPLAIN = Field(
+    "explain",
+    1,
+    "1",
+    "whether a tick without a solution says in conflict which limits cannot hold together",
+    lower=0.0,
+    upper=1.0,
+    default=(0.0,),
+    switch=True,
+)
+
 
 def tick_format(
     robot: Robot,
@@ -60,7 +71,7 @@ def request_layout(robot: Robot, tasks: Sequence[Task], contacts: Sequence[Conta
     task_fields = [field for task in tasks for field in task.fields(robot)]
     contact_fields = [field for contact in contacts for field in contact.fields(robot)]
     fields = (*state, *task_fields, *contact_fields, *_joint_fields(robot), *limit_fields(robot))
-    return Layout(fields)
+    return Layout((*fields, EXPLAIN))
 
 
 def _joint_fields(robot: Robot) -> tuple[Field, ...]:
@@ -108,7 +119,7 @@ def reply_layout(
 
     Returns:
         Status and times, torque, acceleration, wrenches, task errors and
-        feedback, active rows.
+        feedback, active rows and those that contradict each other.
     """
     k = sum(task.k for task in tasks)
     axes = " ".join(f"{task.name}.{axis}" for task in tasks for axis in task.axes)
@@ -135,7 +146,16 @@ def reply_layout(
                 "1",
                 "per row: 0 inside, 2 equality, otherwise negative at its lower bound and "
                 "positive at its upper: 1 its own; of a joint's acceleration also 4 that by its "
-                "position, 5 by its velocity, 3 where one of these two yielded",
+                "position, 5 by its velocity, 3 where one of these two yielded; of a joint's "
+                "torque also 6 what its motor has left at its speed",
+            ),
+            Field(
+                "conflict",
+                len(row_names),
+                "m/s^2, rad/s^2, N, N m",
+                "if explain was asked for and the tick is infeasible: by how much each row of a "
+                "set that cannot hold together would have to give way alone, negative at its "
+                "lower bound; without any one of them the others can hold. Else 0",
             ),
         )
     )

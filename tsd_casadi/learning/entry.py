@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tsd_casadi.encoding.laps import fit_laps
+from tsd_casadi.encoding.laps import FittedLaps, fit_laps
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import IncompatibleEntry
 from tsd_casadi.learning.axis_error import plain_errors, unit_of_axis
@@ -20,6 +20,7 @@ from tsd_casadi.learning.instruction import USUAL, Instruction
 from tsd_casadi.learning.iteration import Iteration
 from tsd_casadi.learning.iterative_learning import design_filters
 from tsd_casadi.learning.learning_filter import LearningFilter
+from tsd_casadi.learning.measured_errors import with_scatter
 from tsd_casadi.learning.observed_contraction import last_observed, observe_contractions
 from tsd_casadi.learning.recording import Recording
 from tsd_casadi.learning.rules.guarded import Guarded
@@ -91,7 +92,9 @@ class Entry:
             axes=self.key.axes,
             basis=self.basis,
             weights=served.weights.copy(),  # the entry may be kept
-            standard_deviations=np.zeros_like(served.weights),
+            standard_deviations=np.zeros_like(served.weights)
+            if served.uncertainty is None
+            else served.uncertainty.copy(),
             kind="learned",
             parameters=dict(self.key.parameters),
             provenance=provenance,
@@ -119,7 +122,7 @@ class Entry:
         self.rule = instruction.rule
         used = self._find(recording.applied)
         is_first_test = used.errors is None
-        feedback = self._note(used, recording)
+        fitted = self._note(used, recording)
         best = self.best
         goes_on = self.rule.goes_on_from(used, best)
         if is_first_test:
@@ -132,10 +135,16 @@ class Entry:
             )
         elif instruction.update:
             weights = self.rule.next_weights(
-                self.key, self.basis, self._tests(used), feedback, self.learning_gain
+                self.key, self.basis, self._tests(used), fitted.feedback, self.learning_gain
             )
-            number = self.iterations[-1].number + 1
-            self.iterations.append(Iteration(number, weights, learned_from=used.number))
+            self.iterations.append(
+                Iteration(
+                    number=self.iterations[-1].number + 1,
+                    weights=weights,
+                    learned_from=used.number,
+                    uncertainty=_uncertainty(fitted, self.basis.L),
+                )
+            )
         return notes
 
     def filters(self) -> tuple[LearningFilter, ...]:
@@ -144,7 +153,9 @@ class Entry:
         Empty while no iteration was tested with known position errors, or if
         nobody said at which frequency, P and D.
         """
-        tests = self._tests(self.best) if self.iterations else []
+        if not any(each.error_weights is not None for each in self.iterations):
+            return ()  # in a list for instance, for which no weights are decoded
+        tests = self._tests(self.best)
         repetitions = [test.repetition for test in tests if test.repetition is not None]
         if not repetitions:
             return ()
@@ -177,18 +188,15 @@ class Entry:
             for index, learning_filter in enumerate(filters)
         )
 
-    def _note(self, used: Iteration, recording: Recording) -> Matrix:
-        """Write into an iteration what its repetition showed.
-
-        Returns:
-            What its feedback added, fitted, (k, L) [m/s^2].
-        """
-        used.errors, used.circumstances = dict(recording.errors), recording.circumstances
+    def _note(self, used: Iteration, recording: Recording) -> FittedLaps:
+        """Write into an iteration what its repetition showed, which is given back."""
         fitted = fit_laps(recording.laps, self.basis)
+        used.errors = with_scatter(recording.errors, recording.laps, fitted.scatter)
+        used.circumstances = recording.circumstances
         used.feedback = fitted.feedback
         # those of an earlier test of the same weights do not go with the new gains
         used.error_weights, used.reference_weights = fitted.error, fitted.reference
-        return fitted.feedback
+        return fitted
 
     def _tests(self, last: Iteration) -> list[Iteration]:
         """List the iterations tested at the newest gains, the one to go on from at the end."""
@@ -224,6 +232,11 @@ class Entry:
                 f"{self.circumstances.gains}"
             )
         return notes
+
+
+def _uncertainty(fitted: FittedLaps, L: int) -> Matrix | None:
+    """Tell what the scatter of the laps leaves of doubt about weights learned from them."""
+    return None if fitted.scatter is None else fitted.scatter.uncertainty(L)
 
 
 def _told(iteration: Iteration) -> str:

@@ -24,7 +24,8 @@ class Feedforward:
         basis: The basis of the weights.
         weights: (k, L) [m/s^2, rad/s^2].
         standard_deviations: Weights of its predictive standard deviation over
-            the phase, (k, L) [m/s^2, rad/s^2]; zero for a learned entry.
+            the phase, (k, L) [m/s^2, rad/s^2]; of a learned entry the standard
+            deviation of its weights, zero if unknown.
         kind: How it came about.
         parameters: Of the motion that it is meant for, SI units.
         provenance: Where it comes from, plain data.

@@ -39,7 +39,7 @@ def record_of(
             if run.failures
             else f"did not settle in {run.laps_run} laps"
         )
-        told = [*what_to_try(run), why_infeasible(run, robot)]
+        told = [*what_to_try(run), why_infeasible(run)]
         raise SimulationError(
             f"the robot {how} in {run.motion.name} {what}; nothing was recorded. "
             + "; ".join(sentence for sentence in told if sentence)

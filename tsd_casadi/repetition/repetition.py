@@ -12,9 +12,10 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.encoding.laps import Lap, first_steady_lap
+from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.encoding.phase_oscillator import PhaseOscillator
+from tsd_casadi.encoding.steadiness import first_steady_lap
 from tsd_casadi.exceptions import SimulationError
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.hold import hold
@@ -92,12 +93,12 @@ class Repetition:
         )
         self._command = controller.command()
         self._command["period"] = plant.period
+        # asked for until there was one: it takes the time of a few ticks
+        self._command["explain"] = 1.0
         hold(self._command, robot, motion.middle(robot))
         for task in dict.fromkeys(axis.rpartition(".")[0] for axis in learned):
             # an unknown task is told by References, with those that there are
-            if f"{task}.P" in tick_format.request.slices:
-                self._command[f"{task}.P"] *= gains.P
-                self._command[f"{task}.D"] *= gains.D
+            gains.scale(self._command, task)
         self._references = References(robot, tick_format, self._command, axes)
         self._oscillator = PhaseOscillator(motion.frequency, motion.start_phase)
         self._fall_height = FALL_HEIGHT * float(robot.home_com[2])
@@ -114,6 +115,7 @@ class Repetition:
         self._fell = False
         self._steady = False
         self._infeasible_request: Vector | None = None
+        self._conflict: dict[str, float] = {}
         # where nobody tells the truth
         self._model, self._data = robot.model, robot.model.createData()
         self._periods = None if pace is None else Periods(controller, robot, plant.period, pace)
@@ -222,6 +224,7 @@ class Repetition:
             model=self._robot.fingerprint,
             infeasible_request=self._infeasible_request,
             at_limits=self._at_limits(log["joint_limits"]),
+            conflict=self._conflict,
         )
 
     def _at_limits(self, joint_limits: Vector) -> dict[str, int]:
@@ -336,6 +339,7 @@ class Repetition:
             return False
         if answer.reply[0] == Status.INFEASIBLE and self._infeasible_request is None:
             self._infeasible_request = self._command.request.copy()
+            self._conflict, self._command["explain"] = answer.conflict, 0.0
         moment.tick = answer
         moment.tau = answer.tau
         if self._compensators:

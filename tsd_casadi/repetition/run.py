@@ -41,6 +41,8 @@ class Run:
         model: Fingerprint of the robot's files; empty where nobody knows.
         infeasible_request: State and command of the first tick without a solution;
             None if there was none.
+        conflict: By how much each row of a set that cannot hold together there would have
+            to give way alone, by name; see ``Tick.conflict``.
     """
 
     robot: str
@@ -62,6 +64,7 @@ class Run:
     infeasible_request: Vector | None = None
     at_limits: dict[str, int] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
+    conflict: dict[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         """Say what was done, with what, and how well."""

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from tsd_casadi.robot.robot_file import RobotFile
-from tsd_casadi.robot.robot_file_sections import ComTaskFile, Contact, FrameTaskFile
+from tsd_casadi.robot.robot_file_sections import Contact
+from tsd_casadi.robot.robot_file_tasks import ComTaskFile, FrameTaskFile
 
 # changed whenever the terms of the cost or the equalities change their meaning
 FORMULATION = 1

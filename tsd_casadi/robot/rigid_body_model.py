@@ -16,7 +16,8 @@ from tsd_casadi.robot.description_changes import complete_joints, override_links
 from tsd_casadi.robot.joint_patterns import values_by_joint
 from tsd_casadi.robot.parsed_model import parse_model
 from tsd_casadi.robot.robot_file import RobotFile
-from tsd_casadi.robot.robot_file_sections import ComTaskFile, Contact, FrameTaskFile
+from tsd_casadi.robot.robot_file_sections import Contact
+from tsd_casadi.robot.robot_file_tasks import ComTaskFile, FrameTaskFile
 
 # sections of the robot file that are by joint
 BY_JOINT = ("locked", "effort", "velocity", "position")

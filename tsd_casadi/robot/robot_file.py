@@ -13,9 +13,7 @@ from tsd_casadi.robot.robot_file_goals import DemoGoalsFile
 from tsd_casadi.robot.robot_file_overrides import OverridesFile
 from tsd_casadi.robot.robot_file_sections import (
     AnyContact,
-    ComTaskFile,
     Finite,
-    FrameTaskFile,
     HardwareFile,
     LimitsFile,
     MotionFile,
@@ -25,6 +23,7 @@ from tsd_casadi.robot.robot_file_sections import (
     SafeTorqueFile,
     SoleFile,
 )
+from tsd_casadi.robot.robot_file_tasks import GAIN_KINDS, AnyTask, wrong_with_gain
 from tsd_casadi.robot.strict_yaml import read_yaml
 
 
@@ -59,10 +58,7 @@ class RobotFile(OverridesFile):
     mjcf: str | None = None
     home: dict[str, Finite]
     contacts: Annotated[tuple[AnyContact, ...], Field(min_length=1)]
-    tasks: Annotated[
-        tuple[Annotated[ComTaskFile | FrameTaskFile, Field(discriminator="type")], ...],
-        Field(min_length=1),
-    ]
+    tasks: Annotated[tuple[AnyTask, ...], Field(min_length=1)]
     posture: PostureFile
     regularization: RegularizationFile
     limits: LimitsFile
@@ -103,6 +99,8 @@ def read_robot_file(path: Path) -> RobotFile:
         location = list(first["loc"])
         if location[:1] in (["tasks"], ["contacts"]):
             del location[2:3]  # the part's type, which pydantic puts in between
+        if location[:1] == ["tasks"]:
+            location = [part for part in location if part not in GAIN_KINDS]
         if location[:1] == ["fallback"]:
             del location[1:2]  # and its kind
         field = ".".join(map(str, location)) or "robot"
@@ -173,6 +171,11 @@ def _check_ranges(path: Path, robot_file: RobotFile) -> None:
                 f"is {list(task.axes)}",
                 "at least one axis, none twice",
             )
+        for name in ("P", "D"):
+            gain = getattr(task, name)
+            wanted = wrong_with_gain(gain, task.axes)
+            if wanted is not None:
+                raise RobotFileError(path, f"tasks.{index}.{name}", f"is {gain}", wanted)
     names = [part.name for part in (*robot_file.contacts, *robot_file.tasks)]
     reserved = ("posture", "limits", "regularization", "safe_torque", "period", "q", "v")
     for name in names:

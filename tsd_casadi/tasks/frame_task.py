@@ -7,6 +7,7 @@ import casadi as ca
 from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.robot.robot_file_sections import FRAME_AXES
+from tsd_casadi.robot.robot_file_tasks import Gain
 from tsd_casadi.tasks.task import Read, Task, TaskTerms
 from tsd_casadi.tick.layout import Field
 
@@ -29,8 +30,8 @@ class FrameTask(Task):
         name: str,
         frame: str,
         axes: tuple[str, ...],
-        P: float,
-        D: float,
+        P: Gain,
+        D: Gain,
         W: float,
         active: bool = True,
     ) -> None:
@@ -38,10 +39,10 @@ class FrameTask(Task):
         super().__init__(name, axes, P, D, W, active)
         self.frame = frame
 
-    def reference_field(self, robot: Robot) -> Field:
-        """Describe p_ref (3,) [m] and quaternion xyzw (4,), world frame."""
+    def reference_fields(self, robot: Robot) -> tuple[Field, ...]:
+        """Describe p_ref (3,) [m] and quaternion xyzw (4,), world frame, and their rates."""
         position, quaternion = robot.frame_placement(self.frame, robot.home.q)
-        return Field(
+        pose = Field(
             f"{self.name}.reference",
             7,
             "m, 1",
@@ -49,6 +50,7 @@ class FrameTask(Task):
             default=(*position, *quaternion),
             unit_quaternion=3,
         )
+        return pose, *self.rate_fields(f"{self.unit}/s", f"{self.unit}/s^2")
 
     def terms(self, dynamics: SymbolicDynamics, read: Read) -> TaskTerms:
         """Write error, Jacobian and drift of the controlled axes, world axes."""

@@ -91,6 +91,16 @@ class Tick:
         return [self.format.row_names[i] for i in np.flatnonzero(state == RowState.YIELDED)]
 
     @property
+    def conflict(self) -> dict[str, float]:
+        """Limits that cannot hold together, if the command asked for them with 'explain'.
+
+        By name, by how much each would have to give way if it alone did, in its own unit
+        and negative at its lower bound. Without any one of them the others can hold.
+        """
+        amounts = self._field("conflict")
+        return {self.format.row_names[i]: float(amounts[i]) for i in np.flatnonzero(amounts)}
+
+    @property
     def compute_time(self) -> float:
         """Time inside the compiled function [us]."""
         return float(self.reply[2] + self.reply[3] + self.reply[4])

@@ -62,7 +62,9 @@ class FeedforwardMessage(Message):
         basis: The basis.
         weights: k rows of L numbers [unit/s^2].
         standard_deviations: Weights of the predictive standard deviation over
-            the phase, in the same basis.
+            the phase, in the same basis, k rows of L numbers [unit/s^2]. Of a learned
+            term the standard deviation of each weight that the scatter of the laps
+            leaves, the same for all of an axis; zero if unknown.
         kind: 'learned' or 'generalised'.
         context: In which it was learned.
         others: Number of entries of the motion in other contexts.

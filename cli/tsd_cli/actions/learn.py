@@ -16,6 +16,7 @@ from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.record import context_of
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.actions.aborted import ABORTED, put_out_on_interrupt
+from tsd_cli.actions.open_learner import open_learner
 from tsd_cli.actions.prepare import (
     asked_motion,
     chosen_axes,
@@ -24,7 +25,6 @@ from tsd_cli.actions.prepare import (
     chosen_pace,
     make_simulator,
     open_controller,
-    open_learner,
 )
 from tsd_cli.actions.region import default_name, describe_chosen, read_region
 from tsd_cli.actions.story import Story

@@ -16,6 +16,7 @@ from tsd_casadi.repetition.why_infeasible import why_infeasible
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.actions.aborted import keep_aborted
 from tsd_cli.actions.label import describe_motion, label_of
+from tsd_cli.actions.open_learner import open_learner
 from tsd_cli.actions.prepare import (
     asked_motion,
     chosen_axes,
@@ -24,7 +25,6 @@ from tsd_cli.actions.prepare import (
     chosen_pace,
     make_simulator,
     open_controller,
-    open_learner,
 )
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.motion import FeedforwardChoice, MotionOptions, SingleRepetitionOptions
@@ -90,7 +90,7 @@ def simulate_once(
         )
     for note in (*run.vetoes, *run.remarks, *what_to_try(run)):
         typer.echo(f"note: {note}", err=True)
-    if why := why_infeasible(run, robot):
+    if why := why_infeasible(run):
         typer.echo(f"note: {why}", err=True)
     missing = [] if learned is None else [axis for axis in axes if axis not in learned.axes]
     if missing:

@@ -35,7 +35,7 @@ struct tick {
   double H_qdd[N_V * N_V], H_lambda[N_X - N_V], g[N_X], A[N_GENERAL * N_X];
   double lower[N_ROWS], upper[N_ROWS];
   double h_a[N_TAU], error[N_ERROR], feedback[N_ERROR];
-  double J[N_J * N_V], W_q[N_V], qdd_des[N_V];
+  double J[N_J * N_V], level[N_J], W_q[N_V], qdd_des[N_V];
   struct joint_limits limits;
   const double* arguments[SZ_ARG];
   double* results[SZ_RES];
@@ -44,6 +44,7 @@ struct tick {
 
   struct posture_work posture;
   struct elimination reduced;
+  struct conflict_work conflict;
   double x[N_X], rows[N_GENERAL];
   double least[N_TAU], most[N_TAU]; /* bounds of the joints that did not yield */
   DAQPProblem problem;
@@ -134,7 +135,7 @@ static int all_finite(const double* x, int n) {
 /* Returns 0, or -1 if the data are not finite. */
 static int evaluate_data(struct tick* t, const double* request) {
   double* results[] = {t->H_qdd, t->H_lambda, t->g,        t->A, t->lower, t->upper,
-                       t->h_a,   t->error,    t->feedback, t->J, t->W_q,   t->qdd_des,
+                       t->h_a,   t->error,    t->feedback, t->J, t->level, t->W_q, t->qdd_des,
                        t->limits.velocity_lower,  t->limits.velocity_upper,
                        t->limits.position_lower,  t->limits.position_upper};
   t->arguments[0] = request;
@@ -143,7 +144,7 @@ static int evaluate_data(struct tick* t, const double* request) {
   if (!(all_finite(t->A, N_GENERAL * N_X) && all_finite(t->lower, N_ROWS) &&
         all_finite(t->upper, N_ROWS) && all_finite(t->h_a, N_TAU)))
     return -1;
-  if (add_posture(t->J, t->W_q, t->qdd_des, &t->posture, t->H_qdd, t->g)) return -1;
+  if (add_posture(t->J, t->level, t->W_q, t->qdd_des, &t->posture, t->H_qdd, t->g)) return -1;
   return all_finite(t->H_qdd, N_V * N_V) && all_finite(t->g, N_X) ? 0 : -1;
 }
 
@@ -291,7 +292,8 @@ static int solve_in_order(struct tick* t, const double* request) {
   return flag;
 }
 
-static void fill_solution(const struct tick* t, int n_active, double* reply) {
+static void fill_solution(const struct tick* t, const double* request, int n_active,
+                          double* reply) {
   for (int i = 0; i < N_TAU; i++)
     reply[REPLY_TAU + i] = t->h_a[i] + t->rows[N_GENERAL - N_TAU + i];
   memcpy(reply + REPLY_QDD, t->x, N_V * sizeof(double));
@@ -309,6 +311,10 @@ static void fill_solution(const struct tick* t, int n_active, double* reply) {
     const int row = N_V - N_TAU + i;
     active[row] =
         state_of_joint(&t->limits, i, t->x[row], t->lower[row], t->upper[row], active[row]);
+    double* torque = active + N_ROWS - N_TAU + i;
+    *torque = state_of_torque(*torque, request[REQUEST_V + row], request[REQUEST_TORQUE + i],
+                              request[REQUEST_STALL_TORQUE + i],
+                              request[REQUEST_NO_LOAD_SPEED + i]);
   }
 }
 
@@ -359,9 +365,12 @@ int tick_run(struct tick* t, const double* request, double* reply) {
       n_active = t->work.n_active;
     }
     status = status_of(flag);
+    if (flag == EXIT_INFEASIBLE && request[REQUEST_EXPLAIN])
+      find_conflict(N_Y, t->reduced.x_0, t->reduced.Z, t->A, t->lower, t->upper, &t->conflict,
+                    reply + REPLY_CONFLICT);
   }
   if (status == STATUS_OK) {
-    fill_solution(t, n_active, reply);
+    fill_solution(t, request, n_active, reply);
     if (!all_finite(reply + REPLY_TAU, N_TAU + N_V + N_WRENCHES)) status = STATUS_NOT_FINITE;
   }
   const double solved = microseconds();

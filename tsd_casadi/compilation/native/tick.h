@@ -11,6 +11,7 @@
 
 struct posture_work {
   double G[N_J * N_J], Y[N_J * N_V];
+  double J[N_J * N_V], root[N_J]; /* rows in order, roots of their levels */
   double N[N_V * N_V], WN[N_V * N_V], P[N_V * N_V];
 };
 
@@ -42,9 +43,43 @@ void bound_accelerations(const struct joint_limits* s, const double* limit, enum
 double state_of_joint(const struct joint_limits* s, int i, double qdd, double lower, double upper,
                       double at);
 
-/* H_qdd (N_V, N_V) and g_qdd gain the posture; J (N_J, N_V) by columns.
+/* What the reply says of a joint's torque, which is at a bound (-1, 1) or not (0): whether the
+ * speed v makes it, as torque_speed.py. */
+double state_of_torque(double at, double v, double limit, double stall, double no_load);
+
+/* each limit from above and from below */
+#define N_SIDES (2 * N_REDUCED)
+/* bounds beyond this are none, as in explanation/reduced_rows.py */
+#define UNBOUNDED 1e29
+
+/* What has become of a column. */
+enum column_state { FREE, USED, BANNED };
+
+/* Non-negative least squares under way; columns are sides of limits. */
+struct least_squares {
+  double E[(N_X + 1) * N_SIDES], e[N_X + 1];
+  double length[N_SIDES], scale[N_SIDES], sign[N_SIDES];
+  int row[N_SIDES];
+  unsigned char state[N_SIDES];
+  int n_rows, n_columns, n_used, used[N_X + 1];
+  double u[N_X + 1]; /* of those in use */
+};
+
+struct conflict_work {
+  struct least_squares now, before;
+};
+
+/* Limits that cannot hold together where x = x_0 + Z y, Z (N_X, n_y): conflict gets by how much
+ * each of them would have to give way alone, negative at a lower bound, the other rows are left as
+ * they are. A (N_GENERAL, N_X) by columns. */
+void find_conflict(int n_y, const double* x_0, const double* Z, const double* A,
+                   const double* lower, const double* upper, struct conflict_work* work,
+                   double* conflict);
+
+/* H_qdd (N_V, N_V) and g_qdd gain the posture; J (N_J, N_V) by columns, its rows zero where
+ * their level, from 0 to 1, is 0.
  * Returns 0, or -1 if the numbers are not finite. */
-int add_posture(const double* J, const double* W_q, const double* qdd_des,
+int add_posture(const double* J, const double* level, const double* W_q, const double* qdd_des,
                 struct posture_work* work, double* H_qdd, double* g_qdd);
 
 /* x_0 and Z from the first rows of A (N_GENERAL, N_X, by columns) and their

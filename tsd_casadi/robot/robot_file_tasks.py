@@ -1,0 +1,121 @@
+"""The tasks of a robot file: what may stand in each, with units."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import Discriminator, Field, Tag
+
+from tsd_casadi.robot.robot_file_sections import (
+    COM_AXES,
+    FRAME_AXES,
+    Finite,
+    Name,
+    NonNegative,
+    Section,
+)
+from tsd_casadi.state import Matrix
+
+Gain = float | ArrayLike
+
+# how a gain may be written, by its depth; pydantic puts the words into an error's place
+GAIN_KINDS = ("number", "diagonal", "matrix")
+# of the largest entry: numbers written with seven digits are symmetric and semidefinite
+GAIN_TOLERANCE = 1e-6
+
+
+def _kind_of_gain(gain: object) -> str:
+    if not isinstance(gain, (list, tuple)):
+        return "number"
+    return "matrix" if any(isinstance(row, (list, tuple)) for row in gain) else "diagonal"
+
+
+AnyGain = Annotated[
+    Annotated[NonNegative, Tag("number")]
+    | Annotated[tuple[NonNegative, ...], Tag("diagonal")]
+    | Annotated[tuple[tuple[Finite, ...], ...], Tag("matrix")],
+    Discriminator(_kind_of_gain),
+]
+
+
+def gain_matrix(gain: Gain, k: int) -> Matrix:
+    """Write a gain as a matrix.
+
+    Args:
+        gain: A number for all axes, a diagonal (k,) or a matrix (k, k).
+
+    Returns:
+        (k, k).
+    """
+    array = np.asarray(gain, dtype=float)
+    if array.ndim == 2:
+        return array
+    return np.diag(np.broadcast_to(array, k))
+
+
+def wrong_with_gain(gain: AnyGain, axes: Sequence[str]) -> str | None:
+    """Tell what a gain that was read should be instead, None if nothing."""
+    k = len(axes)
+    shaped = f"one number, {k} of them for the axes {' '.join(axes)}, or {k} rows of {k}"
+    if isinstance(gain, (int, float)):
+        return None
+    if len(gain) != k or any(isinstance(row, tuple) and len(row) != k for row in gain):
+        return shaped
+    matrix = gain_matrix(gain, k)
+    tolerance = GAIN_TOLERANCE * np.abs(matrix).max(initial=0.0)
+    if np.abs(matrix - matrix.T).max(initial=0.0) > tolerance:
+        return "a symmetric matrix"
+    if np.linalg.eigvalsh(matrix).min(initial=0.0) < -tolerance:
+        return "a matrix without negative eigenvalues: others push away from the reference"
+    return None
+
+
+class ComTaskFile(Section):
+    """Centre-of-mass task: gains and weights, world axes.
+
+    Attributes:
+        type: Always 'com'.
+        name: Name of the task.
+        axes: Controlled axes.
+        P: Stiffness [1/s^2]: a number, one for each axis, or a symmetric matrix by rows.
+        D: Damping [1/s], as P.
+        W: Weight [(m/s^2)^-2].
+    """
+
+    type: Literal["com"]
+    name: Name
+    axes: tuple[Literal["x", "y", "z"], ...] = COM_AXES  # type: ignore[assignment]
+    P: AnyGain
+    D: AnyGain
+    W: NonNegative
+
+
+class FrameTaskFile(Section):
+    """Task on a frame of the URDF: gains and weights, world axes.
+
+    Attributes:
+        type: Always 'frame'.
+        name: Name of the task.
+        frame: The frame.
+        axes: Controlled axes, translations x y z and rotations rx ry rz.
+        P: Stiffness [1/s^2]: a number, one for each axis, or a symmetric matrix by rows.
+        D: Damping [1/s], as P.
+        W: Weight [(m/s^2)^-2 or (rad/s^2)^-2].
+        active: Whether the frame is always tracked; otherwise only in motions that move
+            it. A hand that is tracked stays where it is in the world while the rest squats.
+    """
+
+    type: Literal["frame"]
+    name: Name
+    frame: str
+    axes: tuple[Literal["x", "y", "z", "rx", "ry", "rz"], ...] = FRAME_AXES  # type: ignore[assignment]
+    P: AnyGain
+    D: AnyGain
+    W: NonNegative
+    active: Annotated[bool, Field(strict=True)] = True
+
+
+AnyTask = Annotated[ComTaskFile | FrameTaskFile, Field(discriminator="type")]
