@@ -51,17 +51,14 @@ class FeedforwardGate(Compensator):
     """Watches one repetition's feedforward.
 
     Attributes:
+        name: Of the feedforward, for people: where it is from.
         dropped_at: When it was dropped last [s]; None while it is in use.
         drops: How often it was dropped.
     """
 
     def __init__(self, name: str = "the borrowed feedforward") -> None:
-        """Start with the feedforward in use.
-
-        Args:
-            name: Of the feedforward, for people: where it is from.
-        """
-        self._name = name
+        """Start with the feedforward in use."""
+        self.name = name
         self._begin()
 
     def _begin(self) -> None:
@@ -84,7 +81,7 @@ class FeedforwardGate(Compensator):
             return tuple(self._remarks)
         with_it, without_it = self._lap_evidence.errors
         kept = (
-            f"{self._name} was kept: an RMS error of {self._told(with_it)} with it, "
+            f"{self.name} was kept: an RMS error of {self._told(with_it)} with it, "
             f"{self._told(without_it)} predicted without"
         )
         return (*self._remarks, kept + _caution(without_it))
@@ -155,7 +152,7 @@ class FeedforwardGate(Compensator):
             return
         with_it, without_it = evidence.errors
         self._remarks.append(
-            f"{self._name} was dropped at {time:.2f} s: an RMS error of {self._told(with_it)} with "
+            f"{self.name} was dropped at {time:.2f} s: an RMS error of {self._told(with_it)} with "
             f"all of it, {self._told(without_it)} without, is predicted{_caution(without_it)}"
         )
         self.dropped_at, self._since = time, time
@@ -164,7 +161,7 @@ class FeedforwardGate(Compensator):
         self._forget()
 
     def _bring_back(self, time: float) -> None:
-        self._remarks.append(f"{self._name} came back at {time:.2f} s: it would help again")
+        self._remarks.append(f"{self.name} came back at {time:.2f} s: it would help again")
         self.dropped_at, self._since = None, time
         self._wait = max(2 * self._wait, self._lap_time)
         self._share.go_to(1.0, time, self._lap_time)

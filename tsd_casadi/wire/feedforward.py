@@ -152,6 +152,11 @@ class FeedforwardMessage(Message):
             standard_deviations=deviations,
             kind=self.kind,
             parameters=plain_parameters(declaration, self.parameters),
-            provenance=self.provenance,
+            provenance={**self.provenance, **self._told()},
             declaration=declaration,
         )
+
+    def _told(self) -> dict[str, Any]:
+        """Tell what a client looks at again: for which robot, and what bounded it."""
+        bound = {} if self.bound is None else {"bound": self.bound.model_dump()}
+        return {"robot": self.robot, **bound}
