@@ -70,6 +70,11 @@ class Shares:
     def end(self, outcome: str) -> None:
         """Note nothing."""
 
+    def first_drop(self) -> float:
+        """Tell when it became less for the first time [s]; infinite if never."""
+        less = np.flatnonzero(np.diff(self.share) < 0)
+        return self.time[int(less[0])] if less.size else math.inf
+
     def back_at(self) -> float:
         """Tell from when on all of the term is in use [s]; infinite if it is not at the end."""
         less = np.flatnonzero(np.array(self.share) < IN_USE)
@@ -149,9 +154,8 @@ class Bench:
         """Run a term without the gate and with it."""
         gate = FeedforwardGate()
         ungated, _ = self.run(term, None, 3)
-        gated, _ = self.run(term, gate, 3)
+        gated, shares = self.run(term, gate, 3)
         none, _ = self.run(None, None, 3)
-        at = gate.dropped_at
         return {
             "kind": name,
             "none": none.rank,
@@ -159,7 +163,8 @@ class Bench:
             "fell": ungated.fell,
             "gated": gated.rank,
             "gated_fell": gated.fell,
-            "dropped": None if at is None else (at - HOLD) * self.case.frequency,
+            "dropped": (shares.first_drop() - HOLD) * self.case.frequency,
+            "in_use": gate.veto is None,
             "drops": gate.drops,
         }
 
@@ -179,10 +184,11 @@ def main() -> None:
     terms = list(harmful_terms(bench.fits).items())[: arguments.kinds]
     rng, total = np.random.default_rng(arguments.seed), arguments.pushes + len(terms)
     with show_progress("gate", float(total)) as report:
-        disturbed = []
-        for number in range(arguments.pushes):
+        disturbed: list[dict[str, Any]] = []
+        # a robot that is pushed over tells nothing of the gate
+        while (stood := sum(not each["fell"] for each in disturbed)) < arguments.pushes:
+            report(float(stood), float(total))
             disturbed.append(bench.disturbed(rng))
-            report(number + 1.0, float(total))
         harmful = []
         for number, (name, term) in enumerate(terms):
             harmful.append(bench.harmful(name, term))
@@ -197,10 +203,10 @@ def _show(disturbed: list[dict[str, Any]], harmful: list[dict[str, Any]]) -> Non
     if disturbed:
         late = sum(each["back"] > BACK for each in stood)
         console.print(
-            f"{len(disturbed)} disturbed runs: {len(disturbed) - len(stood)} fell; in "
-            f"{sum(each['drops'] > 0 for each in stood)} of the others the term was dropped, all "
-            f"of it was back {max((each['back'] for each in stood), default=0):.2f} laps after "
-            f"the disturbance at the latest, in {late} later than {BACK:g} (goal: 0)",
+            f"{len(stood)} disturbed runs (and {len(disturbed) - len(stood)} that fell): the term "
+            f"was dropped in {sum(each['drops'] > 0 for each in stood)}; all of it was back "
+            f"{max((each['back'] for each in stood), default=0):.2f} laps after the disturbance "
+            f"at the latest, in {late} later than {BACK:g} (goal: 0)",
             highlight=False,
         )
     if not harmful:
@@ -215,14 +221,14 @@ def _show(disturbed: list[dict[str, Any]], harmful: list[dict[str, Any]]) -> Non
     print_table("harmful terms, rank of the run", columns)
 
 
-def _laps(dropped: float | None) -> str:
-    return "-" if dropped is None else f"{dropped:.2f}"
+def _laps(dropped: float) -> str:
+    return "-" if math.isinf(dropped) else f"{dropped:.2f}"
 
 
 def _verdict(row: dict[str, Any]) -> str:
     if not row["fell"] and row["ungated"] < HARMFUL * row["none"]:
         return "no harm"
-    met = row["dropped"] is not None and row["dropped"] <= DROPPED
+    met = row["dropped"] <= DROPPED and not row["in_use"]
     return "[green]met[/green]" if met else "[red]missed[/red]"
 
 

@@ -21,9 +21,10 @@ them was predicted.
 
 The standing before the motion is judged, too, while the term is being phased in:
 a term that is clearly wrong there is dropped before it is in use. In the motion a
-lap decides, or half of one that is clear. A term comes back over a lap. After
-each further drop the gate waits twice as long before it looks whether the term
-would help; that is forgiven after ``PROVEN`` laps with it.
+lap decides, or half of one that is clear. A term comes back over a lap: what it
+would do is known before all of it is in use. After a second drop only a whole lap
+brings it back, after a pause of a lap, and each further pause is twice as long; that
+is forgiven after ``PROVEN`` laps with it.
 """
 
 from __future__ import annotations
@@ -142,10 +143,12 @@ class FeedforwardGate(Compensator):
                 self._drop_if(True, half, moment.time)
             elif lap.is_complete:
                 self._drop_if(lap.harms(), lap, moment.time)
-        elif moment.time - self._since >= self._wait and (
-            (half.is_complete and half.helps(CLEAR)) or (lap.is_complete and lap.helps(HYSTERESIS))
-        ):
-            self._bring_back(moment.time)
+        elif moment.time - self._since >= self._wait:
+            # a push is over by the next half lap; what harms in one half of each lap is not
+            is_first = self._wait == 0.0
+            helps = is_first and half.is_complete and half.helps(CLEAR)
+            if helps or (lap.is_complete and lap.helps(HYSTERESIS)):
+                self._bring_back(moment.time)
 
     def _drop_if(self, harms: bool, evidence: Evidence, time: float) -> None:
         if not harms:

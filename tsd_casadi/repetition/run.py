@@ -63,8 +63,8 @@ class Run:
     model: str = ""
     infeasible_request: Vector | None = None
     at_limits: dict[str, int] = field(default_factory=dict)
-    remarks: list[str] = field(default_factory=list)
     conflict: dict[str, float] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
 
     def __repr__(self) -> str:
         """Say what was done, with what, and how well."""
