@@ -74,13 +74,21 @@ class FeedforwardGate(Compensator):
         return None if self.dropped_at is None else self._remarks[-1]
 
     @property
+    def errors(self) -> tuple[float, float]:
+        """RMS errors with the feedforward and without it in the newest lap [m, rad].
+
+        What is not in use is predicted; zero before there was a tick.
+        """
+        return self._lap_evidence.errors
+
+    @property
     def remarks(self) -> tuple[str, ...]:  # type: ignore[override]
         """What became of the feedforward, but for the veto."""
         if self.dropped_at is not None:
             return tuple(self._remarks[:-1])
         if not self._lap_evidence.is_complete:
             return tuple(self._remarks)
-        with_it, without_it = self._lap_evidence.errors
+        with_it, without_it = self.errors
         kept = (
             f"{self.name} was kept: an RMS error of {self._told(with_it)} with it, "
             f"{self._told(without_it)} predicted without"
