@@ -6,7 +6,9 @@ Run: python -m benchmarks.gate [--pushes N] [--kinds N] [--p-scale S] [--json FI
 50 N s or a force of 10 to 50 N for 0.5 to 3 s in a random direction at a random time of the
 fourth lap; how long after its end, in laps, all of the term is in use again. 'harmful': 20
 kinds of terms; how many laps after the motion began each is dropped, and the errors with
-the gate, without it and without the term. Goals: within 2 laps, within 1 lap.
+the gate, without it and without the term. Goals: within 2 laps, within 1 lap. 'claims': 1.9
+times what fits, without other errors than a load, at three gains; the error that the gate
+predicts without the term, and the measured one.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ import argparse
 import json
 import math
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +71,11 @@ class Shares:
 
     def end(self, outcome: str) -> None:
         """Note nothing."""
+
+    def first_drop(self) -> float:
+        """Tell when it became less for the first time [s]; infinite if never."""
+        less = np.flatnonzero(np.diff(self.share) < 0)
+        return self.time[int(less[0])] if less.size else math.inf
 
     def back_at(self) -> float:
         """Tell from when on all of the term is in use [s]; infinite if it is not at the end."""
@@ -149,9 +156,8 @@ class Bench:
         """Run a term without the gate and with it."""
         gate = FeedforwardGate()
         ungated, _ = self.run(term, None, 3)
-        gated, _ = self.run(term, gate, 3)
+        gated, shares = self.run(term, gate, 3)
         none, _ = self.run(None, None, 3)
-        at = gate.dropped_at
         return {
             "kind": name,
             "none": none.rank,
@@ -159,9 +165,32 @@ class Bench:
             "fell": ungated.fell,
             "gated": gated.rank,
             "gated_fell": gated.fell,
-            "dropped": None if at is None else (at - HOLD) * self.case.frequency,
+            "dropped": (shares.first_drop() - HOLD) * self.case.frequency,
+            "in_use": gate.veto is None,
             "drops": gate.drops,
         }
+
+
+def claims(fits: Feedforward, bench: Bench) -> list[dict[str, float]]:
+    """Compare what the gate predicts with what is measured, at the usual gains and at softer."""
+    term = replace(fits, weights=1.9 * fits.weights)
+    rows = []
+    for factor in (1.0, 0.2, 0.1):
+        case = replace(bench.case, hardware=()).at_stiffness(factor)
+        softer, gate = replace(bench, case=case), FeedforwardGate()
+        softer.run(term, gate, 3)
+        ungated, _ = softer.run(term, None, 3)
+        none, _ = softer.run(None, None, 3)
+        axis = fits.axes[0]
+        rows.append(
+            {
+                "P": none.gains["P"][0],
+                "with": ungated.errors[axis].rms,
+                "predicted": gate.errors[1],
+                "measured": none.errors[axis].rms,
+            }
+        )
+    return rows
 
 
 def main() -> None:
@@ -179,17 +208,32 @@ def main() -> None:
     terms = list(harmful_terms(bench.fits).items())[: arguments.kinds]
     rng, total = np.random.default_rng(arguments.seed), arguments.pushes + len(terms)
     with show_progress("gate", float(total)) as report:
-        disturbed = []
-        for number in range(arguments.pushes):
+        disturbed: list[dict[str, Any]] = []
+        # a robot that is pushed over tells nothing of the gate
+        while (stood := sum(not each["fell"] for each in disturbed)) < arguments.pushes:
+            report(float(stood), float(total))
             disturbed.append(bench.disturbed(rng))
-            report(number + 1.0, float(total))
         harmful = []
         for number, (name, term) in enumerate(terms):
             harmful.append(bench.harmful(name, term))
             report(arguments.pushes + number + 1.0, float(total))
+    told = claims(bench.fits, bench) if terms else []
     _show(disturbed, harmful)
+    if told:
+        columns = [
+            Column(name, [f"{scale * row[key]:.4g}" for row in told])
+            for name, key, scale in (
+                ("P\n1/s²", "P", 1.0),
+                ("with it\nmm", "with", 1e3),
+                ("predicted without\nmm", "predicted", 1e3),
+                ("measured without\nmm", "measured", 1e3),
+            )
+        ]
+        print_table("what the gate claims of 1.9 times what fits", columns)
     if arguments.json is not None:
-        arguments.json.write_text(json.dumps({"disturbed": disturbed, "harmful": harmful}))
+        arguments.json.write_text(
+            json.dumps({"disturbed": disturbed, "harmful": harmful, "claims": told})
+        )
 
 
 def _show(disturbed: list[dict[str, Any]], harmful: list[dict[str, Any]]) -> None:
@@ -197,10 +241,10 @@ def _show(disturbed: list[dict[str, Any]], harmful: list[dict[str, Any]]) -> Non
     if disturbed:
         late = sum(each["back"] > BACK for each in stood)
         console.print(
-            f"{len(disturbed)} disturbed runs: {len(disturbed) - len(stood)} fell; in "
-            f"{sum(each['drops'] > 0 for each in stood)} of the others the term was dropped, all "
-            f"of it was back {max((each['back'] for each in stood), default=0):.2f} laps after "
-            f"the disturbance at the latest, in {late} later than {BACK:g} (goal: 0)",
+            f"{len(stood)} disturbed runs (and {len(disturbed) - len(stood)} that fell): the term "
+            f"was dropped in {sum(each['drops'] > 0 for each in stood)}; all of it was back "
+            f"{max((each['back'] for each in stood), default=0):.2f} laps after the disturbance "
+            f"at the latest, in {late} later than {BACK:g} (goal: 0)",
             highlight=False,
         )
     if not harmful:
@@ -215,14 +259,14 @@ def _show(disturbed: list[dict[str, Any]], harmful: list[dict[str, Any]]) -> Non
     print_table("harmful terms, rank of the run", columns)
 
 
-def _laps(dropped: float | None) -> str:
-    return "-" if dropped is None else f"{dropped:.2f}"
+def _laps(dropped: float) -> str:
+    return "-" if math.isinf(dropped) else f"{dropped:.2f}"
 
 
 def _verdict(row: dict[str, Any]) -> str:
     if not row["fell"] and row["ungated"] < HARMFUL * row["none"]:
         return "no harm"
-    met = row["dropped"] is not None and row["dropped"] <= DROPPED
+    met = row["dropped"] <= DROPPED and not row["in_use"]
     return "[green]met[/green]" if met else "[red]missed[/red]"
 
 

@@ -42,7 +42,7 @@ def _random(phase: Vector) -> Vector:
     return np.asarray(_noise[0, :6] @ np.sin(harmonics) + _noise[0, 6:] @ np.cos(harmonics))
 
 
-# accelerations in m/s^2; a load of a tenth of the robot's weight needs about 0.9
+# accelerations in m/s^2; a robot lighter by a tenth needs about -0.9
 KINDS: Mapping[str, Change] = {
     "sign flipped": _times(-1.0),
     "half of it, sign flipped": _times(-0.5),
@@ -51,7 +51,7 @@ KINDS: Mapping[str, Change] = {
     "2.5 times": _times(2.5),
     "3 times": _times(3.0),
     "5 times": _times(5.0),
-    "of a robot that is too light": _only(lambda phase: np.full_like(phase, -0.8)),
+    "a load taken for a lack of one": _only(lambda phase: np.full_like(phase, 0.8)),
     "upwards, far too much": _only(lambda phase: np.full_like(phase, 2.5)),
     "first harmonic, late": _plus(lambda phase: 5 * np.sin(phase)),
     "first harmonic, early": _plus(lambda phase: -5 * np.sin(phase)),

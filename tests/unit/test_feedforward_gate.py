@@ -180,6 +180,18 @@ def test_what_is_wrong_in_the_motion_only_is_dropped_within_a_lap() -> None:
     assert 0 < seen.drops[0] <= 1.0
 
 
+def test_what_harms_in_a_quarter_of_each_lap_is_tried_once_more_but_not_in_full() -> None:
+    def pulse(phase: float) -> float:
+        return 1.0 + (5.0 if math.cos(phase) > math.cos(math.pi / 4) else 0.0)
+
+    seen = Followed(always(lambda _: 1.0), pulse, laps=12)
+    assert seen.drops[0] <= 1.0
+    assert len(seen.drops) <= 2
+    assert seen.gate.dropped_at is not None
+    after = round((HOLD + seen.drops[0] / FREQUENCY + FADE) / DT)
+    assert np.abs(seen.applied[after:]).max() < 0.6 * 6.0
+
+
 def test_nothing_to_judge_is_kept() -> None:
     assert not Followed(always(lambda _: 0.0), lambda _: 5e-3).drops
     # a fifth of a millimetre is something

@@ -21,9 +21,10 @@ them was predicted.
 
 The standing before the motion is judged, too, while the term is being phased in:
 a term that is clearly wrong there is dropped before it is in use. In the motion a
-lap decides, or half of one that is clear. A term comes back over a lap. After
-each further drop the gate waits twice as long before it looks whether the term
-would help; that is forgiven after ``PROVEN`` laps with it.
+lap decides, or half of one that is clear. A term comes back over a lap: what it
+would do is known before all of it is in use. After a second drop only a whole lap
+brings it back, after a pause of a lap, and each further pause is twice as long; that
+is forgiven after ``PROVEN`` laps with it.
 """
 
 from __future__ import annotations
@@ -51,17 +52,14 @@ class FeedforwardGate(Compensator):
     """Watches one repetition's feedforward.
 
     Attributes:
+        name: Of the feedforward, for people: where it is from.
         dropped_at: When it was dropped last [s]; None while it is in use.
         drops: How often it was dropped.
     """
 
     def __init__(self, name: str = "the borrowed feedforward") -> None:
-        """Start with the feedforward in use.
-
-        Args:
-            name: Of the feedforward, for people: where it is from.
-        """
-        self._name = name
+        """Start with the feedforward in use."""
+        self.name = name
         self._begin()
 
     def _begin(self) -> None:
@@ -76,15 +74,23 @@ class FeedforwardGate(Compensator):
         return None if self.dropped_at is None else self._remarks[-1]
 
     @property
+    def errors(self) -> tuple[float, float]:
+        """RMS errors with the feedforward and without it in the newest lap [m, rad].
+
+        What is not in use is predicted; zero before there was a tick.
+        """
+        return self._lap_evidence.errors
+
+    @property
     def remarks(self) -> tuple[str, ...]:  # type: ignore[override]
         """What became of the feedforward, but for the veto."""
         if self.dropped_at is not None:
             return tuple(self._remarks[:-1])
         if not self._lap_evidence.is_complete:
             return tuple(self._remarks)
-        with_it, without_it = self._lap_evidence.errors
+        with_it, without_it = self.errors
         kept = (
-            f"{self._name} was kept: an RMS error of {self._told(with_it)} with it, "
+            f"{self.name} was kept: an RMS error of {self._told(with_it)} with it, "
             f"{self._told(without_it)} predicted without"
         )
         return (*self._remarks, kept + _caution(without_it))
@@ -145,17 +151,19 @@ class FeedforwardGate(Compensator):
                 self._drop_if(True, half, moment.time)
             elif lap.is_complete:
                 self._drop_if(lap.harms(), lap, moment.time)
-        elif moment.time - self._since >= self._wait and (
-            (half.is_complete and half.helps(CLEAR)) or (lap.is_complete and lap.helps(HYSTERESIS))
-        ):
-            self._bring_back(moment.time)
+        elif moment.time - self._since >= self._wait:
+            # a push is over by the next half lap; what harms in one half of each lap is not
+            is_first = self._wait == 0.0
+            helps = is_first and half.is_complete and half.helps(CLEAR)
+            if helps or (lap.is_complete and lap.helps(HYSTERESIS)):
+                self._bring_back(moment.time)
 
     def _drop_if(self, harms: bool, evidence: Evidence, time: float) -> None:
         if not harms:
             return
         with_it, without_it = evidence.errors
         self._remarks.append(
-            f"{self._name} was dropped at {time:.2f} s: an RMS error of {self._told(with_it)} with "
+            f"{self.name} was dropped at {time:.2f} s: an RMS error of {self._told(with_it)} with "
             f"all of it, {self._told(without_it)} without, is predicted{_caution(without_it)}"
         )
         self.dropped_at, self._since = time, time
@@ -164,7 +172,7 @@ class FeedforwardGate(Compensator):
         self._forget()
 
     def _bring_back(self, time: float) -> None:
-        self._remarks.append(f"{self._name} came back at {time:.2f} s: it would help again")
+        self._remarks.append(f"{self.name} came back at {time:.2f} s: it would help again")
         self.dropped_at, self._since = None, time
         self._wait = max(2 * self._wait, self._lap_time)
         self._share.go_to(1.0, time, self._lap_time)

@@ -16,8 +16,8 @@ from tsd_casadi.learning.rules.by_name import find_rule
 from tsd_casadi.learning.rules.rule import RuleName
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.motions.ranges import check_motion
+from tsd_casadi.repetition.borrowed import gates_for
 from tsd_casadi.repetition.compensator import Compensator
-from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.observer import Observer
 from tsd_casadi.repetition.pace import Pace
@@ -147,10 +147,9 @@ def learn(
             feedforward = (
                 None if fresh else _served(learner, plant.robot.name, motion, learned, context)
             )
-            gate = FeedforwardGate()
-            gates = []
-            if index == 0 and feedforward is None and first is not None:
-                feedforward, gates = first, [gate]
+            if index == 0 and feedforward is None:
+                feedforward = first
+            gates = gates_for(feedforward, plant.robot, controller, motion, gains, correction)
             run = repeat(
                 plant,
                 controller,

@@ -8,7 +8,7 @@ import typer
 
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
-from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
+from tsd_casadi.repetition.borrowed import gates_for
 from tsd_casadi.repetition.record import context_of
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.repetition.what_to_try import what_to_try
@@ -63,8 +63,6 @@ def simulate_once(
     axes = chosen_axes(motion, robot, wanted)
     gains, pace = chosen_gains(repetition), chosen_pace(time)
     compensators = chosen_compensators(repetition, robot)
-    if repetition.feedforward is FeedforwardChoice.GENERALIZED:
-        compensators.append(FeedforwardGate())
     simulator = make_simulator(body, robot, repetition.period)
     correction = "".join(item.correction for item in compensators)
     learned = _ask(repetition.feedforward, robot, wanted, axes, correction, services)
@@ -74,6 +72,7 @@ def simulate_once(
         open_controller(services, robot, time.patience) as controller,
         show_progress(describe_motion(wanted), 1.0) as progress,
     ):
+        gates = gates_for(learned, robot, controller, wanted, gains, correction)
         run = simulator.run(
             controller,
             wanted,
@@ -81,7 +80,8 @@ def simulate_once(
             laps=repetition.laps,
             feedforward=learned,
             gains=gains,
-            compensators=compensators,
+            # the gate before what adds to the feedforward: it is about the borrowed one
+            compensators=[*gates, *compensators],
             seed=repetition.seed,
             transport=services.controller.value,
             progress=progress,
