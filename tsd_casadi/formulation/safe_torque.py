@@ -30,7 +30,6 @@ def safe_torque(
         J_c: Contact Jacobian, rows of inactive contacts zero, (l, nv).
         v: Velocity, (nv,).
         damping: D, (n,) [N m s/rad].
-        bounds: Of the torque.
 
     Returns:
         (n,) [N m], within the limits.
