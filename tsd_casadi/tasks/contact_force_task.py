@@ -80,15 +80,16 @@ class ContactForceTask:
             for name, unit, words, default, within in parts
         )
 
-    def terms(self, read: Read, selection: ca.SX, W_lambda: ca.SX) -> ForceTerms:
+    def terms(self, read: Read, selection: ca.SX, W_lambda: ca.SX, there: ca.SX) -> ForceTerms:
         """Write half the term in lambda.
 
         Args:
             read: Gives a field of the command by name, without the task's.
             selection: (size, l), picks the contact's forces out of lambda.
             W_lambda: Diagonal of the regularisation's weight on all forces, (l,).
+            there: The contact's ``active``, which the task goes with.
         """
         S = selection[self._components, :]
-        W, level = read("W"), activation_levels(read("active"), read("mask"))
+        W, level = read("W"), there * activation_levels(read("active"), read("mask"))
         weight = W * weight_shares(level, W, S @ W_lambda)
         return ForceTerms(H=S.T @ weight, g=-S.T @ (weight * read("reference")))
