@@ -339,7 +339,11 @@ class Scripted:
         class OfThisError:
             rank = error
             vetoes = ()
+            remarks = ()
+            fell, steady, aborted = False, True, ""
+            failures: ClassVar[dict[str, int]] = {}
             at_limits: ClassVar[dict[str, int]] = {}
+            missed: ClassVar[dict[str, int]] = {}
 
         return OfThisError()
 

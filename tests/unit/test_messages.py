@@ -325,10 +325,12 @@ def test_feedforward_is_exact_over_json(seed: int, size: int) -> None:
     assert found.declaration == DECLARATION
     np.testing.assert_array_equal(found.weights, feedforward.weights)
     np.testing.assert_array_equal(found.standard_deviations, feedforward.standard_deviations)
+    told = {**feedforward.provenance, "robot": "r"}
     assert replace(found, weights=0, standard_deviations=0) == replace(  # type: ignore[arg-type]
         feedforward,
         weights=0,
         standard_deviations=0,  # type: ignore[arg-type]
+        provenance=told,
     )
 
 

@@ -11,6 +11,7 @@ from tsd_casadi.encoding.laps import FittedLaps, fit_laps
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import IncompatibleEntry
 from tsd_casadi.learning.axis_error import plain_errors, unit_of_axis
+from tsd_casadi.learning.bound import Bound
 from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.entry_key import EntryKey
@@ -115,7 +116,19 @@ class Entry:
             parameters=dict(self.key.parameters),
             provenance=provenance,
             declaration=self.declaration,
-        )
+        ).within(self.bound)
+
+    def parent(self, iteration: Iteration) -> Iteration | None:
+        """Find the iteration that another was learned from."""
+        return next((i for i in self.iterations if i.number == iteration.learned_from), None)
+
+    @property
+    def bound(self) -> Bound:
+        """How large what is served may be, by the repetitions that it comes from or used it."""
+        served = self.served
+        parent = self.parent(served)
+        recorded = [served] if parent is None else [served, parent]
+        return Bound.of(self.key.axes, self.basis, recorded, self.circumstances.allowed)
 
     def add(self, recording: Recording, instruction: Instruction = USUAL) -> list[str]:
         """Take in one repetition: note its errors, then learn from it.

@@ -25,6 +25,7 @@ from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.gains import Gains
 from tsd_casadi.repetition.observer import Observer
 from tsd_casadi.repetition.pace import Pace, Periods
+from tsd_casadi.repetition.phasing import PhasedShare, settling_time
 from tsd_casadi.repetition.plant import Plant, Truth
 from tsd_casadi.repetition.references import References
 from tsd_casadi.repetition.run import Run
@@ -106,6 +107,12 @@ class Repetition:
         self._flight_height = FLIGHT_HEIGHT * float(robot.home_com[2])
         self._log = TickLog()
         self._laps: list[Lap] = []
+        # nothing need not be phased in
+        self._share = PhasedShare(0.0 if self._feedforward.weights.any() else 1.0)
+        self._share.go_to(1.0, 0.0, 1 / motion.frequency)
+        # the newest tick in which more or less of the term was in use than before, by its time,
+        # and the laps that the loop's answer to such changes is in
+        self._last_share, self._changed, self._unsettled = self._share.at(0.0), 0.0, 0
         self.over = False
         self._fell = False
         self._first_steady: int | None = None
@@ -129,6 +136,7 @@ class Repetition:
         self._log.start(self.setting)
         for compensator in compensators:
             compensator.start(self.setting)
+        self._settling = settling_time(*(self.setting.gain(self._command, each) for each in "PD"))
 
     def end(self, observer: Observer) -> None:
         """Tell an observer that it is over, and how it ended."""
@@ -146,13 +154,16 @@ class Repetition:
         return self._plant.period * self._log.ticks
 
     def hold(self, progress: Progress | None) -> None:
-        """Stand in the middle of the motion; the feedforward is that of the starting phase."""
+        """Stand in the middle of the motion; the feedforward is that of the starting phase.
+
+        It is being phased in, over the first lap's time from here on.
+        """
         ticks = round(HOLD / self._plant.period)
         still = self._resting()
         feedforward = self._along(self._feedforward.mean([self._motion.start_phase]))[:, 0]
         tick = 0
         while tick < ticks:
-            tick += self._tick(-1, still, feedforward.copy())
+            tick += self._tick(-1, still, feedforward)
             if progress is not None and tick % 200 == 0:
                 progress(self._time, 2 * HOLD)
             if self._fell:
@@ -168,10 +179,10 @@ class Repetition:
             if progress is not None:
                 progress(HOLD + done * period, HOLD + max(laps, done) * period)
             if done >= laps:
-                self._first_steady = steady_from(
-                    self._laps, self._units, is_last_chance=done == bound
-                )
-                if self._first_steady is not None:
+                skipped = self._skipped
+                first = steady_from(self._laps[skipped:], self._units, is_last_chance=done == bound)
+                if first is not None:
+                    self._first_steady = first + skipped
                     return
 
     def finish(self, settings: dict[str, Any], aborted: str = "") -> Run:
@@ -183,13 +194,16 @@ class Repetition:
         first = None
         if len(self._laps) >= 2 and not self._fell:
             first = self._first_steady
-            # what was ended early may have been steady before
-            first = first_steady_lap(self._laps, self._units) if first is None else first
+            if first is None:
+                # what was ended early may have been steady before
+                first = first_steady_lap(self._laps[self._skipped :], self._units)
+                first = None if first is None else first + self._skipped
             first = len(self._laps) - 2 if first is None else first
         log = self._log.log(first)
         statuses = Counter(log["status"].tolist())
         causes = Counter(log["missed"].tolist())
         vetoes = [item.veto for item in self._compensators if item.veto is not None]
+        remarks = [remark for item in self._compensators for remark in item.remarks]
         feedforward = self._feedforward
         if vetoes:
             feedforward = Feedforward.zero(feedforward.axes, feedforward.basis)
@@ -209,6 +223,7 @@ class Repetition:
             steady=self._first_steady is not None,
             fell=self._fell,
             vetoes=vetoes,
+            remarks=remarks,
             failures={
                 Status(status).name.lower(): count
                 for status, count in statuses.items()
@@ -227,6 +242,15 @@ class Repetition:
         joints = zip(self._controller.format.joints, counts.tolist(), strict=True)
         return {joint: count for joint, count in joints if count}
 
+    @property
+    def _skipped(self) -> int:
+        """Count the laps before those with all of the feedforward, or with none.
+
+        The last of them is not counted: it takes the place of the very first lap, which
+        never is steady.
+        """
+        return max(self._unsettled - 1, 0)
+
     def _along(self, learned: Vector) -> Vector:
         """Values of the learned axes as values of all axes, zero along the others."""
         rest = np.zeros((len(self.setting.axes) - self._learned, learned.shape[1]))
@@ -237,7 +261,7 @@ class Repetition:
         return Reference(nothing, nothing, nothing)
 
     def _lap(self) -> None:
-        start = self._log.ticks
+        start, began = self._log.ticks, self._time
         lap, step = self._oscillator.lap, self._oscillator.omega * self._plant.period
         # the whole lap's feedforward at once: a matrix product, not 4000
         count = math.ceil(2 * np.pi / step) + 1
@@ -245,7 +269,7 @@ class Repetition:
         feedforward = self._along(self._feedforward.mean(ahead))
         tick = 0
         while self._oscillator.lap == lap and not self._fell:
-            if self._tick(lap, self._reference(), feedforward[:, tick].copy()):
+            if self._tick(lap, self._reference(), feedforward[:, tick]):
                 self._oscillator.advance(self._plant.period)
                 tick += 1
         if not self._fell:
@@ -261,6 +285,8 @@ class Repetition:
                 feedforward=rows["feedforward"].T[:k],
             )
             self._laps.append(done)
+            if self._changed + self._settling > began:
+                self._unsettled = len(self._laps)
             for observer in self._observers:
                 observer.lap(done)
 
@@ -289,11 +315,22 @@ class Repetition:
             self._fell = True
             return False
         moment = Moment(
-            time, self._oscillator.phase, lap, state, reference, feedforward, self._command
+            time,
+            self._oscillator.phase,
+            lap,
+            state,
+            reference,
+            feedforward,
+            self._command,
+            offered=feedforward,
         )
         moment.truth = truth
+        moment.share = self._share.at(time)
+        moment.feedforward = moment.share * feedforward
         for compensator in self._compensators:
             compensator.before(moment)
+        if moment.share != self._last_share:
+            self._last_share, self._changed = moment.share, time
         self._references.write(reference.x, reference.xd, reference.xdd, moment.feedforward)
         moment.true_error = (
             np.full(len(self.setting.axes), np.nan)

@@ -33,6 +33,7 @@ class Run:
             measured.
         fell: Whether the robot fell, which ends the run.
         vetoes: Why the feedforward was dropped.
+        remarks: What else compensators have to say of the repetition.
         failures: Ticks answered with a safe torque, by status name.
         at_limits: Ticks at or past a limit of position or velocity, by joint.
         missed: Periods without an answer, stepped with the fallback, by cause.
@@ -63,6 +64,7 @@ class Run:
     infeasible_request: Vector | None = None
     at_limits: dict[str, int] = field(default_factory=dict)
     conflict: dict[str, float] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
 
     def __repr__(self) -> str:
         """Say what was done, with what, and how well."""
@@ -163,6 +165,7 @@ class Run:
             "missed": self.missed,
             "aborted": self.aborted or None,
             "vetoes": self.vetoes,
+            "remarks": self.remarks,
             "ticks": self.ticks,
             "tick_us": {
                 name: None if math.isnan(value) else value for name, value in self.tick_us.items()

@@ -80,6 +80,7 @@ def learn_by_repetition(
     runs = (learning.iterations + 1.0) * max(places.auto, 1)
 
     def put_out_story() -> None:
+        story.conclude(robot, axes, context.correction)
         result = {"robot": robot.name, "motion": wanted.name, "axes": list(axes), **story.plain()}
         if failure is None or story.summaries:
             put_out(result, output, lambda: story.show(wanted, rule, places))

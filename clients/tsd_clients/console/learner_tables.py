@@ -176,7 +176,8 @@ def print_contractions(
         )
         shares = {
             "plain sum": item.plain,
-            "predicted,\nat most": item.predicted,
+            # no bound: it is exceeded where the loop is not linear
+            "predicted,\nif linear": item.predicted,
             "observed": item.observed,
         }
         columns = [
