@@ -12,7 +12,8 @@ import pinocchio
 
 from tsd_casadi.constraints.joint_position import LARGEST_MARGIN, MARGIN, RETURN_TIME
 from tsd_casadi.costs.null_space_posture import DAMPING
-from tsd_casadi.formulation.inverse_dynamics import InverseDynamics, QuadraticProgram
+from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
+from tsd_casadi.formulation.quadratic_program import QuadraticProgram
 from tsd_casadi.robot.robot_file_sections import FRAME_AXES, PointFile, SoleFile
 from tsd_casadi.state import Matrix, Vector
 

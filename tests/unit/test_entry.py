@@ -110,9 +110,9 @@ def test_what_proves_worse_is_dropped_for_the_best_and_the_gain_halved() -> None
 def test_after_a_worse_one_learning_goes_on_from_the_best_with_half_the_gain() -> None:
     entry = entry_after(2e-3, 1e-3, 3e-3)
     base = entry.served.weights
-    entry.add(recording(base, error=1e-3, feedback=0.4))
+    entry.add(recording(base, error=1e-3))
     assert entry.served.number == 3
-    np.testing.assert_allclose(entry.served.weights, base + 0.5 * 0.4, atol=1e-7)
+    np.testing.assert_allclose(entry.served.weights, base + 0.5 * 0.5, atol=1e-7)
 
 
 def test_gain_is_halved_again_each_time() -> None:

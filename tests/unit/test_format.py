@@ -59,11 +59,6 @@ def test_switches_and_quaternions_of_the_request(tick_format: TickFormat) -> Non
     layout = tick_format.request
     switches = [layout.locate(index)[0].name for index in layout.switches()]
     assert switches == [
-        "com.active",
-        "pelvis.active",
-        "torso.active",
-        "left_foot.active",
-        "right_foot.active",
         "limits.velocity_active",
         "limits.position_active",
         "explain",
@@ -79,9 +74,9 @@ def test_switches_and_quaternions_of_the_request(tick_format: TickFormat) -> Non
 def test_everything_a_user_may_change_is_in_the_request(tick_format: TickFormat) -> None:
     names = {field.name for field in tick_format.request}
     per_task = ("reference", "reference_velocity", "reference_acceleration", "feedforward")
-    per_task += ("P", "D", "W", "active")
+    per_task += ("P", "P_coupling", "D", "D_coupling", "W", "active", "mask")
     per_contact = ("active", "friction", "torsional_friction", "extents", "minimum_force")
-    per_contact += ("lambda_des", "W_lambda")
+    per_contact += ("maximum_force", "lambda_des", "W_lambda")
     assert names == {
         "q",
         "v",
@@ -91,6 +86,7 @@ def test_everything_a_user_may_change_is_in_the_request(tick_format: TickFormat)
         "regularization.acceleration",
         *(f"limits.{part}" for part in ("torque", "acceleration", "velocity", "braking")),
         *(f"limits.position_{end}" for end in ("lower", "upper")),
+        *(f"limits.{part}" for part in ("stall_torque", "no_load_speed")),
         *(f"limits.{quantity}_active" for quantity in ("velocity", "position")),
         "period",
         "explain",

@@ -15,9 +15,10 @@ from scipy.spatial.transform import Rotation
 
 from tsd_casadi import Command, Controller, InverseDynamics, Robot, Status, Tick, load_robot
 from tsd_casadi.costs.null_space_posture import DAMPING, null_space_projector
-from tsd_casadi.formulation.inverse_dynamics import QuadraticProgram
+from tsd_casadi.formulation.quadratic_program import QuadraticProgram
 from tsd_casadi.robot.robot_file_sections import COM_AXES, FRAME_AXES
 from tsd_casadi.tasks.symmetric import pack_lower_triangle
+from tsd_casadi.tick.row_state import RowState
 
 EACH = 250
 LEAST_ACTIVE = 3
@@ -308,7 +309,11 @@ def test_reported_active_rows_give_the_optimum(
         qp, state = solved.qp, solved.tick.reply[problem.format.reply.slice("active")]
         np.testing.assert_array_equal(state[nv : nv + meq], 2.0)
         A = np.vstack((np.eye(nv, nx), qp.A))
-        rows = np.flatnonzero(state)
+        # a joint that is past a limit now may be at none of its bounds
+        past = np.isin(np.abs(state), (RowState.PAST_POSITION, RowState.PAST_VELOCITY))
+        values = np.concatenate((solved.x[:nv], qp.A @ solved.x))
+        touches = np.minimum(np.abs(values - qp.lower), np.abs(values - qp.upper)) < 1e-9
+        rows = np.flatnonzero((state != 0) & (touches | ~past))
         target = np.where(state > 0, qp.upper, qp.lower)[rows]
         kkt = np.block([[qp.H, A[rows].T], [A[rows], np.zeros((len(rows), len(rows)))]])
         scale = 1 / np.sqrt(np.maximum(np.abs(kkt).max(axis=0), 1e-12))
@@ -467,7 +472,13 @@ class Numeric:
         g = g - N.T @ W_q @ N @ qdd_des
         contacts = [contact.name for contact in self.robot.description.contacts]
         W_lambda = np.concatenate([command[f"{name}.W_lambda"] for name in contacts])
-        wanted = np.concatenate([command[f"{name}.lambda_des"] for name in contacts])
+        active = np.array([float(command[f"{name}.active"][0]) for name in contacts])
+        each = [command[f"{name}.lambda_des"] for name in contacts]
+        # those that stand take over what the others carried
+        weight = np.array([forces[2] for forces in each])
+        more = weight.sum() / (weight @ active) if active.any() else 0.0
+        wanted = np.concatenate([a * more * forces for a, forces in zip(active, each, strict=True)])
+        W_lambda *= 1 / np.maximum(np.repeat(active, [len(forces) for forces in each]), 1e-3)
         whole = np.zeros((nv + len(wanted), nv + len(wanted)))
         whole[:nv, :nv] = H
         whole[nv:, nv:] = np.diag(W_lambda)
@@ -553,7 +564,8 @@ class Numeric:
             for row, columns in faces.items():
                 add(f"{name}.{row}", columns, 0.0, 1e30)
             least = command[f"{name}.minimum_force"][0] if active else 0.0
-            add(f"{name}.unilateral_force", {fz: 1.0}, least, 1e30)
+            most = command[f"{name}.maximum_force"][0] if active else 1e30
+            add(f"{name}.unilateral_force", {fz: 1.0}, least, most)
         for i, joint in enumerate(robot.joint_names):
             (low, high), h = self.torque_bounds(i), self.h[6 + i]
             rows[f"joint_torque.{joint}"] = (dynamics[6 + i], low - h, high - h)

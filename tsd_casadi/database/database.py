@@ -22,6 +22,7 @@ from tsd_casadi.learning.context import NOWHERE
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.instruction import USUAL, Instruction
+from tsd_casadi.learning.plausible import check_plausible
 from tsd_casadi.learning.recording import Recording
 
 
@@ -72,10 +73,11 @@ class Database(Reading):
 
         Raises:
             InvalidValue: If a parameter is missing or makes no sense, or the
-                recording lacks what the rule needs.
+                recording lacks what the rule needs, or cannot be what a robot did.
             IncompatibleEntry: If it does not fit the entry.
             DatabaseError: If the entry is damaged, or the file cannot be written.
         """
+        check_plausible(recording)
         with self._file.transaction("IMMEDIATE"):
             key = recording.key
             recording = complete(recording, self._declaration(key.robot, key.motion, key.version))

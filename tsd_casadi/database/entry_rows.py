@@ -98,9 +98,12 @@ class EntryRows:
                     f"an index that has it as {indexed.key.describe()}", "it as its rows say"
                 )
             served = entry.served
-            place = next(i for i, each in enumerate(entry.iterations) if each is served)
-            row = IterationRow.of_checked(iterations[place])
-            entry.iterations[place] = row.iteration(entry.key.axes, entry.basis.L)
+            # and the one that it was learned from, which says how large it may be
+            wanted = (served.number, served.learned_from)
+            for place, each in enumerate(entry.iterations):
+                if each.number in wanted:
+                    row = IterationRow.of_checked(iterations[place])
+                    entry.iterations[place] = row.iteration(entry.key.axes, entry.basis.L)
         except (ValueError, IndexError) as error:
             return self._damaged(identifier, error)
         self._kept.keep(indexed.event, entry)

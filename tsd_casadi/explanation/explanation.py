@@ -62,10 +62,8 @@ class Explanation:
 
     Attributes:
         feasible: Whether dynamics, contacts and limits can hold together.
-        contradicting: Names of equalities that contradict each other by themselves;
-            then nothing is said about limits.
-        dependent: How many equalities follow from others; the compiled tick calls that
-            infeasible too.
+        dependent: How many of the contacts' rows follow from others and are not held, or
+            in part.
         conflict: Where limits contradict each other: an irreducible set, limits of
             accelerations last.
         limits: Where they do not: the active ones, the costliest first.
@@ -74,7 +72,6 @@ class Explanation:
     """
 
     feasible: bool
-    contradicting: tuple[str, ...] = ()
     dependent: int = 0
     conflict: tuple[ConflictingRow, ...] = ()
     limits: tuple[LimitCost, ...] = ()
@@ -82,19 +79,14 @@ class Explanation:
 
     def sentence(self) -> str:
         """Say it in one sentence, for a message."""
-        if self.contradicting:
-            return f"these equalities contradict each other: {', '.join(self.contradicting)}"
         if self.conflict:
             return tell_conflict({row.name: row.alone for row in self.conflict})
-        if self.dependent:
-            return f"{self.dependent} of the equalities follow from others: contacts are redundant"
         return "all limits can hold together"
 
     def plain(self) -> dict[str, Any]:
         """Write it as plain data for JSON."""
         return {
             "feasible": self.feasible,
-            "contradicting": list(self.contradicting),
             "dependent": self.dependent,
             "conflict": [row.plain() for row in self.conflict],
             "limits": [limit.plain() for limit in self.limits],

@@ -32,7 +32,11 @@ from tsd_casadi.constraints.joint_torque import joint_torque
 from tsd_casadi.constraints.joint_velocity import velocity_bounds
 from tsd_casadi.constraints.rows import AccelerationBounds, Rows, stack_rows
 from tsd_casadi.constraints.torque_speed import TorqueBounds, torque_bounds
-from tsd_casadi.costs.force_regularization import force_cost
+from tsd_casadi.costs.force_regularization import (
+    fading_weight,
+    force_cost,
+    share_wanted_forces,
+)
 from tsd_casadi.costs.null_space_posture import (
     null_space_projector,
     posture_acceleration,
@@ -43,33 +47,15 @@ from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
 from tsd_casadi.dynamics.unactuated_dynamics import unactuated_dynamics
 from tsd_casadi.formulation.contact import Contact
 from tsd_casadi.formulation.make_contacts import make_contacts
+from tsd_casadi.formulation.quadratic_program import QuadraticProgram
 from tsd_casadi.formulation.safe_torque import safe_torque
 from tsd_casadi.formulation.tick_layouts import request_layout, tick_format
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.state import Matrix, Vector
+from tsd_casadi.state import Vector
 from tsd_casadi.tasks.desired_acceleration import desired_acceleration
 from tsd_casadi.tasks.make_tasks import make_tasks
 from tsd_casadi.tasks.task import Task
 from tsd_casadi.tick.layout import Layout
-
-
-@dataclass(frozen=True)
-class QuadraticProgram:
-    """Minimise x^T H x / 2 + g^T x subject to lower <= (x_1..nv, A x) <= upper.
-
-    Attributes:
-        H: (nx, nx), positive definite.
-        g: (nx,).
-        A: (rows - nv, nx); the first nv rows are simple bounds and not in A.
-        lower: (rows,).
-        upper: (rows,).
-    """
-
-    H: Matrix
-    g: Vector
-    A: Matrix
-    lower: Vector
-    upper: Vector
 
 
 @dataclass(frozen=True)
@@ -78,6 +64,7 @@ class _ContactTerms:
 
     J: ca.SX
     J_active: ca.SX
+    J_loaded: ca.SX
     level: ca.SX
     equalities: list[Rows]
     inequalities: list[Rows]
@@ -217,7 +204,7 @@ class InverseDynamics:
         )
         safe = safe_torque(
             self._dynamics.gravity_forces(),
-            contacts.J_active,
+            contacts.J_loaded,
             self._dynamics.v,
             self._read("safe_torque.D"),
             allowed,
@@ -253,7 +240,8 @@ class InverseDynamics:
         )
 
     def _contact_terms(self) -> _ContactTerms:
-        J_all, J_active, level, equalities, inequalities = [], [], [], [], []
+        J_all, J_active, J_loaded, level = [], [], [], []
+        equalities, inequalities = [], []
         forces = ca.SX.eye(self.nx - self.nv)
         first = 0
         for contact in self.contacts:
@@ -266,19 +254,27 @@ class InverseDynamics:
             active = read("active")
             J, drift = contact.kinematics(self._dynamics)
             J_all.append(J)
-            J_active.append(active * J)
+            standing = active > 0
+            J_active.append(standing * J)
+            J_loaded.append(ca.sqrt(active) * J)
             level.append(ca.repmat(active, contact.size, 1))
-            equalities.append(contact_acceleration(contact.name, J, drift, active, selection))
+            equalities.append(contact_acceleration(contact.name, J, drift, standing, selection))
             inequalities += contact.cone(read, self.nv, selection)
-        names = [contact.name for contact in self.contacts]
+
+        def read_all(name: str) -> list[ca.SX]:
+            return [self._read(f"{contact.name}.{name}") for contact in self.contacts]
+
+        shares = read_all("active")
+        W_lambda = map(fading_weight, read_all("W_lambda"), shares)
         return _ContactTerms(
             J=ca.vertcat(*J_all),
             J_active=ca.vertcat(*J_active),
+            J_loaded=ca.vertcat(*J_loaded),
             level=ca.vertcat(*level),
             equalities=equalities,
             inequalities=inequalities,
-            W_lambda=ca.vertcat(*[self._read(f"{name}.W_lambda") for name in names]),
-            lambda_des=ca.vertcat(*[self._read(f"{name}.lambda_des") for name in names]),
+            W_lambda=ca.vertcat(*W_lambda),
+            lambda_des=ca.vertcat(*share_wanted_forces(shares, read_all("lambda_des"))),
         )
 
     def _task_costs(self) -> _TaskCosts:

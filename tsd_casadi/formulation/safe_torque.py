@@ -27,10 +27,9 @@ def safe_torque(
 
     Args:
         gravity: g, (nv,) [N, N m].
-        J_c: Contact Jacobian, rows of inactive contacts zero, (l, nv).
+        J_c: Contact Jacobian, each contact times the square root of its share, (l, nv).
         v: Velocity, (nv,).
         damping: D, (n,) [N m s/rad].
-        bounds: Of the torque.
 
     Returns:
         (n,) [N m], within the limits.

@@ -144,10 +144,12 @@ def reply_layout(
                 "active",
                 len(row_names),
                 "1",
-                "per row: 0 inside, 2 equality, otherwise negative at its lower bound and "
+                "per row: 0 inside, 2 equality, 9 one that follows from others or nearly so, "
+                "otherwise negative at its lower bound and "
                 "positive at its upper: 1 its own; of a joint's acceleration also 4 that by its "
-                "position, 5 by its velocity, 3 where one of these two yielded; of a joint's "
-                "torque also 6 what its motor has left at its speed",
+                "position, 5 by its velocity, 3 where one of these two yielded, 7 past its "
+                "position's limit and coming back faster than it has to, 8 past its velocity's; "
+                "of a joint's torque also 6 what its motor has left at its speed",
             ),
             Field(
                 "conflict",

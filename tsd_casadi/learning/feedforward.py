@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.learning.bound import Bound
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.state import Matrix
 
@@ -30,6 +31,7 @@ class Feedforward:
         parameters: Of the motion that it is meant for, SI units.
         provenance: Where it comes from, plain data.
         declaration: What is said of the motion; None if nobody did.
+        bound: What it was bounded by; None if nobody did.
     """
 
     axes: tuple[str, ...]
@@ -40,6 +42,7 @@ class Feedforward:
     parameters: dict[str, float] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
     declaration: Declaration | None = None
+    bound: Bound | None = None
 
     def __repr__(self) -> str:
         """Say along what, of which kind and for which parameters."""
@@ -56,6 +59,10 @@ class Feedforward:
         """Feed nothing forward."""
         nothing = np.zeros((len(axes), basis.L))
         return cls(axes, basis, nothing, nothing, "none")
+
+    def within(self, bound: Bound) -> Feedforward:
+        """Shrink each axis to a bound, where it is larger."""
+        return replace(self, weights=bound.apply(self.weights, self.basis), bound=bound)
 
     def over(self, axes: tuple[str, ...]) -> Feedforward:
         """Give the same along other axes: zero along those that it does not know."""

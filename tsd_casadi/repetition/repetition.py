@@ -15,8 +15,9 @@ from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.encoding.phase_oscillator import PhaseOscillator
-from tsd_casadi.encoding.steadiness import first_steady_lap
+from tsd_casadi.encoding.steadiness import first_steady_lap, steady_from
 from tsd_casadi.exceptions import SimulationError
+from tsd_casadi.learning.axis_error import unit_of_axis
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.hold import hold
 from tsd_casadi.motions.motion import Motion, Reference
@@ -84,6 +85,7 @@ class Repetition:
         self._moved = motion.axes(robot)
         axes = (*learned, *(axis for axis in self._moved if axis not in learned))
         self._learned = len(learned)
+        self._units = [unit_of_axis(axis) for axis in learned]
         self._places = np.array([axes.index(axis) for axis in self._moved], dtype=int)
         self._all_move = axes == self._moved
         self._feedforward = (
@@ -113,7 +115,7 @@ class Repetition:
         self._last_share, self._changed, self._unsettled = self._share.at(0.0), 0.0, 0
         self.over = False
         self._fell = False
-        self._steady = False
+        self._first_steady: int | None = None
         self._infeasible_request: Vector | None = None
         self._conflict: dict[str, float] = {}
         # where nobody tells the truth
@@ -138,7 +140,8 @@ class Repetition:
 
     def end(self, observer: Observer) -> None:
         """Tell an observer that it is over, and how it ended."""
-        outcome = "fell" if self._fell else "steady" if self._steady else "never steady"
+        steady = self._first_steady is not None
+        outcome = "fell" if self._fell else "steady" if steady else "never steady"
         observer.end(outcome if self.over else "aborted")
 
     @property
@@ -175,9 +178,12 @@ class Repetition:
             done = len(self._laps)
             if progress is not None:
                 progress(HOLD + done * period, HOLD + max(laps, done) * period)
-            if done >= laps and self._first_steady() is not None:
-                self._steady = True
-                return
+            if done >= laps:
+                skipped = self._skipped
+                first = steady_from(self._laps[skipped:], self._units, is_last_chance=done == bound)
+                if first is not None:
+                    self._first_steady = first + skipped
+                    return
 
     def finish(self, settings: dict[str, Any], aborted: str = "") -> Run:
         """Measure and pack up.
@@ -187,7 +193,11 @@ class Repetition:
         """
         first = None
         if len(self._laps) >= 2 and not self._fell:
-            first = self._first_steady()
+            first = self._first_steady
+            if first is None:
+                # what was ended early may have been steady before
+                first = first_steady_lap(self._laps[self._skipped :], self._units)
+                first = None if first is None else first + self._skipped
             first = len(self._laps) - 2 if first is None else first
         log = self._log.log(first)
         statuses = Counter(log["status"].tolist())
@@ -210,7 +220,7 @@ class Repetition:
             log=log,
             laps=[] if first is None else self._laps[first:],
             laps_run=len(self._laps),
-            steady=self._steady,
+            steady=self._first_steady is not None,
             fell=self._fell,
             vetoes=vetoes,
             remarks=remarks,
@@ -232,12 +242,14 @@ class Repetition:
         joints = zip(self._controller.format.joints, counts.tolist(), strict=True)
         return {joint: count for joint, count in joints if count}
 
-    def _first_steady(self) -> int | None:
-        """Find the first steady lap among those with all of the feedforward, or with none."""
-        # the one before them takes the place of the very first, which never counts
-        skipped = max(self._unsettled - 1, 0)
-        first = first_steady_lap(self._laps[skipped:])
-        return None if first is None else first + skipped
+    @property
+    def _skipped(self) -> int:
+        """Count the laps before those with all of the feedforward, or with none.
+
+        The last of them is not counted: it takes the place of the very first lap, which
+        never is steady.
+        """
+        return max(self._unsettled - 1, 0)
 
     def _along(self, learned: Vector) -> Vector:
         """Values of the learned axes as values of all axes, zero along the others."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from tsd_casadi.state import Vector
 from tsd_casadi.tick.format import Status, TickFormat
-from tsd_casadi.tick.row_state import RowState, name_row
+from tsd_casadi.tick.row_state import NO_INEQUALITY, RowState, name_row
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Tick:
         'joint_position.knee'.
         """
         state = np.abs(self._field("active")).astype(int)
-        places = np.flatnonzero((state != RowState.INSIDE) & (state != RowState.EQUALITY))
+        places = np.flatnonzero(~np.isin(state, NO_INEQUALITY))
         return [name_row(self.format.row_names[i], RowState(state[i])) for i in places]
 
     @property

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from tsd_casadi.document import Document, Finite, Name, to_matrix
 from tsd_casadi.exceptions import MalformedMessage
+from tsd_casadi.learning.bound import Bound
 from tsd_casadi.learning.feedforward import Feedforward, Kind
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.wire.axis import Axes, NotNegative, axis_messages, plain_axes
@@ -46,6 +48,19 @@ class BoundMessage(Document):
 
     largest: list[NotNegative]
     reason: Annotated[str, Field(max_length=200)] = ""
+
+    def bound(self, k: int) -> Bound:
+        """Make the bound.
+
+        Args:
+            k: Number of axes.
+
+        Raises:
+            MalformedMessage: If there is not one for each axis.
+        """
+        if len(self.largest) != k:
+            raise MalformedMessage(f"a bound of {len(self.largest)} axes", f"one for each of {k}")
+        return Bound(tuple(self.largest), self.reason)
 
 
 class FeedforwardMessage(Message):
@@ -120,6 +135,7 @@ class FeedforwardMessage(Message):
             others=provenance.get("others", 0),
             epoch=provenance.get("epoch", 0),
             declaration=DeclarationMessage.of(declaration) if declaration.parameters else None,
+            bound=None if feedforward.bound is None else BoundMessage(**asdict(feedforward.bound)),
             provenance=provenance,
         )
 
@@ -154,6 +170,7 @@ class FeedforwardMessage(Message):
             parameters=plain_parameters(declaration, self.parameters),
             provenance={**self.provenance, **self._told()},
             declaration=declaration,
+            bound=None if self.bound is None else self.bound.bound(len(axes)),
         )
 
     def _told(self) -> dict[str, Any]:
