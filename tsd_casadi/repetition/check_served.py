@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from tsd_casadi.encoding.harmonics import sample_phases
 from tsd_casadi.exceptions import IncompatibleEntry
+from tsd_casadi.learning.bound import Bound, peak
 from tsd_casadi.learning.context import UNKNOWN
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.robot.robot import Robot
@@ -45,16 +43,14 @@ def check_served(feedforward: Feedforward, robot: Robot) -> None:
                 f"the feedforward served is along {axis}, which {robot.name} does not control; "
                 f"there are {', '.join(sorted(known))}"
             )
-    largest = np.abs(feedforward.mean(sample_phases())).max(axis=1)
-    bound = told.get("bound")
-    most = np.full(len(largest), np.inf) if bound is None else np.asarray(bound["largest"])
-    if most.shape != largest.shape:
-        raise IncompatibleEntry(
-            f"the feedforward served has {len(largest)} axes and {most.size} bounds"
-        )
-    for axis, value, limit in zip(feedforward.axes, largest, most, strict=True):
-        if not value <= limit * (1 + ROUNDING) or not np.isfinite(value):
+    bound = feedforward.bound
+    if bound is None:  # nobody said, but a robot's task has its limits
+        bound = Bound.of(feedforward.axes, feedforward.basis, [])
+    reached = peak(feedforward.weights, feedforward.basis)
+    for axis, value, limit in zip(feedforward.axes, reached, bound.largest, strict=True):
+        # NaN is not within either
+        if not value <= limit * (1 + ROUNDING):
             raise IncompatibleEntry(
-                f"the feedforward served reaches {value:.3g} along {axis}, its learner says at "
-                f"most {limit:.3g}; forget the entry, or look at what was recorded"
+                f"the feedforward served reaches {value:.3g} m/s^2 or rad/s^2 along {axis}, more "
+                f"than {limit:.3g}, {bound.reason}; forget the entry, or look at what was recorded"
             )
