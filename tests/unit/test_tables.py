@@ -186,7 +186,7 @@ def test_an_examination_names_joints_before_friction() -> None:
         "pressure": 0.04,
         **dict.fromkeys(names, part),
     }
-    plain = {"motions": [motion], "findings": [], "works": True}
+    plain = {"motions": [motion], "findings": [], "works": True, "torque_speed": []}
     with console_of(80):
         text = printed(lambda: print_examination("mine", plain))
     heading, left_out = text.split("left_hip_pitch_joint", 1)[0], text.split("no room for")[-1]

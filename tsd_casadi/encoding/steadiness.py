@@ -102,14 +102,15 @@ def steady_from(
     Returns:
         Its index; None while it is not steady, or there are too few laps to tell.
     """
-    agreeing = first_steady_lap(laps, units)
-    if agreeing is not None:
-        return agreeing
-    # the very first one never counts: the motion begins smoothly in it
-    if len(laps) <= LEAST_SCATTERING:
-        return None
     basis = PeriodicBasis()
     fitted = [basis.fit(lap.phase, lap.feedback) for lap in laps]
+    agreeing = first_steady_lap(laps, units)
+    if agreeing is not None:
+        # two laps may agree in these measures by luck
+        scatter = scatter_of(fitted[agreeing:], basis)
+        if is_last_chance or _is_accurate(laps[agreeing:], scatter, units):
+            return agreeing
+    # the very first one never counts: the motion begins smoothly in it
     for first in range(1, len(laps) - LEAST_SCATTERING + 1):
         scatter = scatter_of(fitted[first:], basis)
         if drifts(fitted[first:], scatter, basis):
@@ -136,6 +137,7 @@ def drifts(fitted: Sequence[Matrix], scatter: Scatter, basis: PeriodicBasis) -> 
 
 
 def _is_accurate(laps: Sequence[Lap], scatter: Scatter, units: Sequence[str]) -> bool:
-    """Say whether the mean of laps is known as well as that of two laps that agree."""
+    """Say whether the mean of laps is known as well as that of two that just agree."""
     size = np.sqrt(np.mean([np.mean(_whole(lap) ** 2, axis=1) for lap in laps], axis=0))
-    return bool((scatter.of_mean <= tolerance(size, units)).all())
+    # laps a tolerance apart scatter by 1 / sqrt(2) of it, two of them by half on average
+    return bool((scatter.of_mean <= tolerance(size, units) / 2).all())

@@ -87,6 +87,11 @@ class Feedforward:
         """Learning iterations behind it; 0 for none."""
         return int(self.provenance.get("iteration", 0))
 
+    @property
+    def epoch(self) -> int:
+        """How often the robot had changed before it was learned."""
+        return int(self.provenance.get("epoch", 0))
+
     def mean(self, phase: ArrayLike) -> Matrix:
         """Compute the feedforward term.
 

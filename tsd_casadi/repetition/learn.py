@@ -73,7 +73,7 @@ def learn(
     patience: int | None = None,
     first: Feedforward | None = None,
     restart: bool = False,
-    rule: RuleName = "guarded",
+    rule: RuleName = "adaptive",
     laps: int = 3,
     gains: Gains = UNCHANGED,
     compensators: Sequence[Compensator] = (),
@@ -142,11 +142,15 @@ def learn(
     runs = []
     for motion, learned in zip(motions, learned_of, strict=True):
         errors: list[float] = []
+        epoch = None
         for index in range(iterations + 1):
             fresh = restart and index == 0
             feedforward = (
                 None if fresh else _served(learner, plant.robot.name, motion, learned, context)
             )
+            if feedforward is not None and epoch != (epoch := feedforward.epoch):
+                # those of before are of another robot, but for the one that showed it
+                errors = errors[-1:]
             if index == 0 and feedforward is None:
                 feedforward = first
             gates = gates_for(feedforward, plant.robot, controller, motion, gains, correction)
