@@ -25,6 +25,8 @@ MOST_FUNCTIONS = 200
 MOST_NUMBERS = 8_000_000
 # who is further from the reference has fallen
 LARGEST_ERROR = {"m": 0.5, "rad": np.pi / 2}
+# ten times what a humanoid's motions are
+LARGEST_PARAMETER = {"m": 10.0, "rad": 20 * np.pi, "Hz": 50.0}
 # of a loop of 100 Hz, faster than any that a robot's joints follow; critical damping is 2 sqrt P
 LARGEST_GAIN = {"P": (2 * np.pi * 100) ** 2, "D": 4 * np.pi * 100}
 # of feedback and feedforward together: laps further from their median have nothing in common
@@ -49,6 +51,7 @@ def check_plausible(recording: Recording) -> None:
     check_size(laps, basis)
     for index, lap in enumerate(laps):
         check_phase(lap.phase, basis, f"lap {index}")
+    check_parameters(recording)
     check_errors(recording.errors)
     check_circumstances(recording.circumstances, axes)
     check_amounts(axes, laps, recording.applied)
@@ -95,7 +98,7 @@ def check_phase(phase: Vector, basis: PeriodicBasis, name: str) -> None:
         raise InvalidValue(
             f"phase of {name}",
             f"{phase[at]:.4g} rad, then {phase[at + 1]:.4g} rad",
-            "phases that advance from sample to sample",
+            "phases that advance from sample to sample, by less than half a lap",
         )
     if steps.max() > gap:
         at = int(np.argmax(steps))
@@ -127,6 +130,19 @@ def check_amounts(axes: Sequence[str], laps: Sequence[Lap], applied: Matrix) -> 
             _check_below(f"the feedback {of}", lap.feedback[index], _acceleration(unit))
             if lap.error is not None:
                 _check_below(f"the error {of}", lap.error[index], (LARGEST_ERROR[unit], unit))
+
+
+def check_parameters(recording: Recording) -> None:
+    """Refuse parameters that no motion of a robot has, where their units are known.
+
+    Raises:
+        InvalidValue: If one is too large.
+    """
+    for name, value in recording.key.parameters:
+        unit = "" if recording.declaration is None else recording.declaration.unit_of(name)
+        largest = LARGEST_PARAMETER.get(unit, np.inf)
+        if abs(value) > largest:
+            raise InvalidValue(name, f"{value:g} {unit}", f"at most {largest:.4g} {unit}")
 
 
 def check_errors(errors: Mapping[str, AxisError]) -> None:
