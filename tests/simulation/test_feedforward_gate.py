@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -56,7 +57,8 @@ def test_a_run_goes_on_without_what_was_dropped(
 def test_simulate_says_what_it_dropped(
     none: Run, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(simulate, "_ask", lambda *_: wrong_for(none))
+    wrong = wrong_for(none)
+    monkeypatch.setattr(simulate, "_ask", lambda choice, *_: replace(wrong, kind=choice.value))
     words = "simulate squat --controller local --amplitude 0.03 --frequency 1 --axes com.z"
     words += " --model-error 0.1 --laps 2 --json -"
     for choice, said in (("generalised", "dropped at 0."), ("learned", "")):
@@ -65,4 +67,4 @@ def test_simulate_says_what_it_dropped(
         captured = capsys.readouterr()
         assert said in captured.err
         assert ("dropped" in captured.err) is bool(said)
-        assert json.loads(captured.out)["feedforward"] == ("none" if said else "generalised")
+        assert json.loads(captured.out)["feedforward"] == ("none" if said else choice)

@@ -196,7 +196,7 @@ def test_any_entry_comes_back_bit_for_bit(
 ) -> None:
     size = data.draw(st.integers(1, 6), "L")
     axes = tuple(data.draw(st.lists(NAMES, min_size=1, max_size=3, unique=True), "axes"))
-    weights = st.lists(st.floats(-98, 98), min_size=size * len(axes), max_size=size * len(axes))
+    weights = st.lists(st.floats(-9.8, 9.8), min_size=size * len(axes), max_size=size * len(axes))
     applied = np.array(data.draw(weights, "applied")).reshape(len(axes), size)
     made = Recording(
         key=EntryKey.of(
@@ -211,7 +211,7 @@ def test_any_entry_comes_back_bit_for_bit(
         applied=applied,
         laps=[Lap(PHASE, np.ones((len(axes), 100)))] * 2,
         errors={
-            axis: AxisError(data.draw(st.floats(0, 3)), ac_rms=data.draw(st.floats(0, 1e3)))
+            axis: AxisError(data.draw(st.floats(0, 0.5)), ac_rms=data.draw(st.floats(0, 1e3)))
             for axis in axes
         },
         circumstances=Circumstances(
@@ -1055,8 +1055,10 @@ def test_learning_goes_on_in_a_version_1_file(path: Path) -> None:
 
 
 def test_signals_of_a_test_are_kept(path: Path) -> None:
-    error, reference = np.cos(PHASE)[None, :] / 300, np.sin(PHASE)[None, :] / 30
     made = recording()
+    # what P = 50 makes of the error, with 1 mm to and fro beside it
+    error = made.laps[0].feedback / 50 + 1e-3 * np.cos(PHASE)
+    reference = np.sin(PHASE)[None, :] / 30
     laps = [replace(lap, error=error, reference=reference) for lap in made.laps]
     with Database(path) as database:
         entry, _ = database.record(replace(made, laps=laps))
@@ -1079,13 +1081,13 @@ def test_signals_of_a_test_are_kept(path: Path) -> None:
 
 def test_an_entry_from_a_file_goes_on_like_one_in_memory(path: Path) -> None:
     kept = Entry(squat_key({**SQUAT, "height": 0.0}), BASIS, MADE)
-    # the third is worse, the second again, and on from there
+    # the third is worse by more than learning explains: another epoch goes on from there
     for number, error in enumerate((1.0, 0.3, 0.4, 0.3, 0.1)):
         noise = np.random.default_rng(number).normal(0, 1e-4, PHASE.size)
         position_error = (1e-3 * error * np.cos(PHASE) + noise)[None, :]
         lap = Lap(PHASE, 50 * position_error, position_error, 0.03 * np.sin(PHASE)[None, :])
         applied = kept.served.weights if kept.iterations else np.zeros((1, BASIS.L))
-        made = recording(key=kept.key, applied=applied, error=error, laps=[lap])
+        made = recording(key=kept.key, applied=applied, error=error / 10, laps=[lap])
         kept.add(made, told("stable"))
         with Database(path) as database:  # opened anew each time
             stored, _ = database.record(made, told("stable"))
@@ -1096,7 +1098,8 @@ def test_an_entry_from_a_file_goes_on_like_one_in_memory(path: Path) -> None:
         (found,) = database.entries()
     assert_same(kept, found)
     assert found.contractions == kept.contractions
-    assert [item.learned_from for item in found.iterations] == [None, 0, 1, 1, 3]
+    assert [item.learned_from for item in found.iterations][:3] == [None, 0, 1]
+    assert {item.epoch for item in found.iterations} == {0, 1}
 
 
 # where to learn next

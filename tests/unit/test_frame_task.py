@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from tsd_casadi import Robot
+from tsd_casadi.dynamics.rotation import rotation_matrix, rotation_vector
 from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
 from tsd_casadi.robot.robot_file_sections import FRAME_AXES
-from tsd_casadi.tasks.frame_task import FrameTask, rotation_matrix, rotation_vector
+from tsd_casadi.tasks.frame_task import FrameTask
 from tsd_casadi.tasks.symmetric import pack_lower_triangle, symmetric_matrix
 from tsd_clients.simulator.parity import random_state
 

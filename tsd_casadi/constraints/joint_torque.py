@@ -19,7 +19,6 @@ def joint_torque(joints: Sequence[str], A_tau: ca.SX, h_a: ca.SX, bounds: Torque
     Args:
         A_tau: (n, nv + l) of tau = A_tau x + h_a.
         h_a: (n,) [N m].
-        bounds: Of tau.
 
     Returns:
         Rows lower - h_a <= A_tau x <= upper - h_a.

@@ -47,11 +47,13 @@ from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
 from tsd_casadi.dynamics.unactuated_dynamics import unactuated_dynamics
 from tsd_casadi.formulation.contact import Contact
 from tsd_casadi.formulation.make_contacts import make_contacts
+from tsd_casadi.formulation.make_force_tasks import make_force_tasks
 from tsd_casadi.formulation.quadratic_program import QuadraticProgram
 from tsd_casadi.formulation.safe_torque import safe_torque
 from tsd_casadi.formulation.tick_layouts import request_layout, tick_format
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Vector
+from tsd_casadi.tasks.contact_force_task import ContactForceTask
 from tsd_casadi.tasks.desired_acceleration import desired_acceleration
 from tsd_casadi.tasks.make_tasks import make_tasks
 from tsd_casadi.tasks.task import Task
@@ -66,6 +68,7 @@ class _ContactTerms:
     J_active: ca.SX
     J_loaded: ca.SX
     level: ca.SX
+    selections: dict[str, ca.SX]
     equalities: list[Rows]
     inequalities: list[Rows]
     W_lambda: ca.SX
@@ -91,6 +94,7 @@ class InverseDynamics:
         robot: The robot.
         tasks: The Cartesian tasks, in the order of error and feedback.
         contacts: The contacts, in the order of lambda and the wrenches.
+        forces: The tasks of contact forces.
         n: Number of actuated joints.
         nv: Size of v and of qdd.
         nx: Number of variables, nv and the forces of all contacts.
@@ -115,7 +119,8 @@ class InverseDynamics:
         self.contacts: list[Contact] = make_contacts(robot)
         self.nx = robot.nv + sum(contact.size for contact in self.contacts)
         self.tasks: list[Task] = make_tasks(robot)
-        self.request: Layout = request_layout(robot, self.tasks, self.contacts)
+        self.forces: list[ContactForceTask] = make_force_tasks(robot, self.contacts)
+        self.request: Layout = request_layout(robot, self.tasks, self.contacts, self.forces)
         self._request = ca.SX.sym("request", self.request.size)
         self._dynamics = SymbolicDynamics(robot, self._read("q"), self._read("v"))
         self.terms, self.safe_torque = self._build()
@@ -178,7 +183,7 @@ class InverseDynamics:
             self._dynamics.q,
             self._dynamics.v,
         )
-        H_lambda, g_lambda = force_cost(contacts.W_lambda, contacts.lambda_des)
+        H_lambda, g_lambda = self._force_costs(contacts)
         terms = self._function(
             "terms",
             {
@@ -242,7 +247,7 @@ class InverseDynamics:
     def _contact_terms(self) -> _ContactTerms:
         J_all, J_active, J_loaded, level = [], [], [], []
         equalities, inequalities = [], []
-        forces = ca.SX.eye(self.nx - self.nv)
+        selections, forces = {}, ca.SX.eye(self.nx - self.nv)
         first = 0
         for contact in self.contacts:
 
@@ -251,6 +256,7 @@ class InverseDynamics:
 
             selection = forces[first : first + contact.size, :]
             first += contact.size
+            selections[contact.name] = selection
             active = read("active")
             J, drift = contact.kinematics(self._dynamics)
             J_all.append(J)
@@ -271,6 +277,7 @@ class InverseDynamics:
             J_active=ca.vertcat(*J_active),
             J_loaded=ca.vertcat(*J_loaded),
             level=ca.vertcat(*level),
+            selections=selections,
             equalities=equalities,
             inequalities=inequalities,
             W_lambda=ca.vertcat(*W_lambda),
@@ -281,6 +288,7 @@ class InverseDynamics:
         H = self._read("regularization.acceleration") * ca.SX.eye(self.nv)
         g = ca.SX.zeros(self.nv)
         J_active, levels, errors, feedbacks = [], [], [], []
+        rest = self._rest_weight()
         for task in self.tasks:
             read = self._read_of(task.name)
             terms = task.terms(self._dynamics, read)
@@ -289,7 +297,7 @@ class InverseDynamics:
                 read("reference_acceleration"), read("feedforward"), feedback
             )
             level = task.levels(read)
-            weighted = terms.J.T @ task.weight(read, self._rest_weight())
+            weighted = terms.J.T @ task.weight(read, rest)
             H += weighted @ terms.J
             g -= weighted @ (xdd_des - terms.drift)
             J_active.append((level > 0) * terms.J)
@@ -299,6 +307,15 @@ class InverseDynamics:
         return _TaskCosts(
             H, g, *(ca.vertcat(*each) for each in (J_active, levels, errors, feedbacks))
         )
+
+    def _force_costs(self, contacts: _ContactTerms) -> tuple[ca.SX, ca.SX]:
+        H, g = force_cost(contacts.W_lambda, contacts.lambda_des)
+        for force in self.forces:
+            selection = contacts.selections[force.contact]
+            there = self._read(f"{force.contact}.active")
+            terms = force.terms(self._read_of(force.name), selection, contacts.W_lambda, there)
+            H, g = H + terms.H, g + terms.g
+        return H, g
 
     def _rest_weight(self) -> ca.SX:
         """Write the weight of what takes over from a task: posture and regularisation."""

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from tsd_casadi.formulation.contact import WRENCH, Contact
 from tsd_casadi.formulation.limit_fields import limit_fields
 from tsd_casadi.robot.robot import Robot
+from tsd_casadi.tasks.contact_force_task import ContactForceTask
 from tsd_casadi.tasks.task import Task
 from tsd_casadi.tick.format import TickFormat
 from tsd_casadi.tick.layout import Field, Layout
@@ -42,7 +43,12 @@ def tick_format(
     )
 
 
-def request_layout(robot: Robot, tasks: Sequence[Task], contacts: Sequence[Contact]) -> Layout:
+def request_layout(
+    robot: Robot,
+    tasks: Sequence[Task],
+    contacts: Sequence[Contact],
+    forces: Sequence[ContactForceTask] = (),
+) -> Layout:
     """Lay out state and command.
 
     Everything a user may change between two ticks is in here, so that the
@@ -70,8 +76,9 @@ def request_layout(robot: Robot, tasks: Sequence[Task], contacts: Sequence[Conta
     )
     task_fields = [field for task in tasks for field in task.fields(robot)]
     contact_fields = [field for contact in contacts for field in contact.fields(robot)]
-    fields = (*state, *task_fields, *contact_fields, *_joint_fields(robot), *limit_fields(robot))
-    return Layout((*fields, EXPLAIN))
+    force_fields = [field for force in forces for field in force.fields()]
+    joint_fields = (*_joint_fields(robot), *limit_fields(robot))
+    return Layout((*state, *task_fields, *contact_fields, *force_fields, *joint_fields, EXPLAIN))
 
 
 def _joint_fields(robot: Robot) -> tuple[Field, ...]:
@@ -138,7 +145,7 @@ def reply_layout(
                 "N, N m",
                 f"[force; moment] in {_wrench_axes(contacts)}; zero on failure",
             ),
-            Field("error", k, "m, rad", f"x_ref - x along {axes}, world axes"),
+            Field("error", k, _error_unit(tasks), f"x_ref - x along {axes}, world axes"),
             Field("feedback", k, "m/s^2, rad/s^2", f"P e + D de/dt along {axes}, world axes"),
             Field(
                 "active",
@@ -161,6 +168,11 @@ def reply_layout(
             ),
         )
     )
+
+
+def _error_unit(tasks: Sequence[Task]) -> str:
+    others = [task.error_unit for task in tasks if task.error_unit not in ("m", "rad", "m, rad")]
+    return ", ".join(("m", "rad", *dict.fromkeys(others)))
 
 
 def _wrench_axes(contacts: Sequence[Contact]) -> str:

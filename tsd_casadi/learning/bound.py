@@ -27,8 +27,9 @@ from tsd_casadi.state import Matrix, Vector
 
 # of what was recorded: half more than the feedback asked for is what a slow loop hides
 MOST_OF_RECORDED = 1.5
-# ten times gravity, and what makes it at a radius of 0.1 m: beyond what a robot's task does
-LARGEST_ACCELERATION = {"m": 98.1, "rad": 981.0}
+# gravity, and what makes it at a radius of 0.1 m: a model that misses more is of nothing that
+# stands on its feet
+LARGEST_ACCELERATION = {"m": 9.81, "rad": 98.1}
 # phases of a lap: 14 to each of the usual 25 functions
 PHASES = np.linspace(0, 2 * np.pi, 360, endpoint=False)
 RECORDED = f"{MOST_OF_RECORDED:g} times the largest feedback + feedforward recorded over a lap"

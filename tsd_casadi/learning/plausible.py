@@ -15,6 +15,7 @@ from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.learning.axis_error import AxisError, unit_of_axis
 from tsd_casadi.learning.bound import LARGEST_ACCELERATION
 from tsd_casadi.learning.circumstances import Circumstances
+from tsd_casadi.learning.feedback_loop import find_loop
 from tsd_casadi.learning.recording import Recording
 from tsd_casadi.state import Matrix, Vector
 
@@ -22,8 +23,10 @@ from tsd_casadi.state import Matrix, Vector
 MOST_FUNCTIONS = 200
 # samples times functions, 64 MB while they are fitted: five minutes at 1 kHz with the usual 25
 MOST_NUMBERS = 8_000_000
-# no robot is that far from its reference; a rotation vector is never longer
-LARGEST_ERROR = {"m": 10.0, "rad": np.pi}
+# who is further from the reference has fallen
+LARGEST_ERROR = {"m": 0.5, "rad": np.pi / 2}
+# ten times what a humanoid's motions are
+LARGEST_PARAMETER = {"m": 10.0, "rad": 20 * np.pi, "Hz": 50.0}
 # of a loop of 100 Hz, faster than any that a robot's joints follow; critical damping is 2 sqrt P
 LARGEST_GAIN = {"P": (2 * np.pi * 100) ** 2, "D": 4 * np.pi * 100}
 # of feedback and feedforward together: laps further from their median have nothing in common
@@ -31,6 +34,9 @@ LARGEST_GAIN = {"P": (2 * np.pi * 100) ** 2, "D": 4 * np.pi * 100}
 MOST_DISAGREEMENT = 0.5
 # below it laps may disagree: noise where next to nothing is to be learned
 NEGLIGIBLE = {"m": 0.2, "rad": 2.0}
+# of feedback and of P e + D de/dt, the larger: filters, delays and time steps between the two
+# are worth a tenth, another sign, another unit or another axis is worth all of it
+MOST_UNEXPLAINED = 0.5
 # laps are compared by means over so many parts, at most
 PARTS = 24
 
@@ -45,10 +51,12 @@ def check_plausible(recording: Recording) -> None:
     check_size(laps, basis)
     for index, lap in enumerate(laps):
         check_phase(lap.phase, basis, f"lap {index}")
+    check_parameters(recording)
     check_errors(recording.errors)
     check_circumstances(recording.circumstances, axes)
     check_amounts(axes, laps, recording.applied)
     check_agreement(axes, laps, basis, recording.applied)
+    check_feedback_law(recording)
 
 
 def check_size(laps: Sequence[Lap], basis: PeriodicBasis) -> None:
@@ -90,7 +98,7 @@ def check_phase(phase: Vector, basis: PeriodicBasis, name: str) -> None:
         raise InvalidValue(
             f"phase of {name}",
             f"{phase[at]:.4g} rad, then {phase[at + 1]:.4g} rad",
-            "phases that advance from sample to sample",
+            "phases that advance from sample to sample, by less than half a lap",
         )
     if steps.max() > gap:
         at = int(np.argmax(steps))
@@ -122,6 +130,19 @@ def check_amounts(axes: Sequence[str], laps: Sequence[Lap], applied: Matrix) -> 
             _check_below(f"the feedback {of}", lap.feedback[index], _acceleration(unit))
             if lap.error is not None:
                 _check_below(f"the error {of}", lap.error[index], (LARGEST_ERROR[unit], unit))
+
+
+def check_parameters(recording: Recording) -> None:
+    """Refuse parameters that no motion of a robot has, where their units are known.
+
+    Raises:
+        InvalidValue: If one is too large.
+    """
+    for name, value in recording.key.parameters:
+        unit = "" if recording.declaration is None else recording.declaration.unit_of(name)
+        largest = LARGEST_PARAMETER.get(unit, np.inf)
+        if abs(value) > largest:
+            raise InvalidValue(name, f"{value:g} {unit}", f"at most {largest:.4g} {unit}")
 
 
 def check_errors(errors: Mapping[str, AxisError]) -> None:
@@ -170,7 +191,7 @@ def check_agreement(
     if len(laps) < 2:
         return
     parts = min(basis.L, PARTS)
-    means = np.array([_means(lap, parts) for lap in laps])
+    means = np.array([_means(lap.phase, lap.feedback, parts) for lap in laps])
     median = np.median(means, axis=0)
     middles = 2 * np.pi * (np.arange(parts) + 0.5) / parts
     whole = median + basis.evaluate(middles, applied)
@@ -190,12 +211,52 @@ def check_agreement(
             )
 
 
-def _means(lap: Lap, parts: int) -> Matrix:
-    """Compute the mean feedback in equal parts of a lap, (k, parts)."""
-    part = np.floor(lap.phase % (2 * np.pi) / (2 * np.pi) * parts).astype(int) % parts
+def check_feedback_law(recording: Recording) -> None:
+    """Refuse feedback that is not what the gains make of the errors, where both are known.
+
+    Raises:
+        InvalidValue: If it has another sign or another size.
+    """
+    axes = recording.key.axes
+    loop = find_loop(axes, dict(recording.key.parameters), recording.circumstances.gains)
+    if loop is None:
+        return
+    omega = 2 * np.pi * loop.frequency
+    P, D = np.array(loop.P)[:, None], np.array(loop.D)[:, None]
+    parts = min(recording.basis.L, PARTS)
+    for number, lap in enumerate(recording.laps):
+        if lap.error is None:
+            continue
+        feedback, error = (_means(lap.phase, values, parts) for values in (lap.feedback, lap.error))
+        expected = P * error + D * omega * _derivative(error)
+        left, found, made = (_rms(each) for each in (feedback - expected, feedback, expected))
+        for index, axis in enumerate(axes):
+            unit = unit_of_axis(axis)
+            allowed = MOST_UNEXPLAINED * max(found[index], made[index]) + NEGLIGIBLE[unit]
+            if left[index] > allowed:
+                raise InvalidValue(
+                    f"the feedback of {axis} in lap {number}",
+                    f"{left[index]:.3g} {unit}/s^2 RMS away from what P and D make of the errors",
+                    f"P (x_ref - x) + D (xd_ref - xd), {made[index]:.3g} {unit}/s^2 RMS",
+                )
+
+
+def _derivative(values: Matrix) -> Matrix:
+    """Compute the derivative by the phase of what was sampled over a lap, (k, parts)."""
+    parts = values.shape[1]
+    return np.fft.irfft(1j * np.arange(parts // 2 + 1) * np.fft.rfft(values), parts)
+
+
+def _rms(values: Matrix) -> Vector:
+    return np.asarray(np.sqrt(np.mean(values**2, axis=1)))
+
+
+def _means(phase: Vector, values: Matrix, parts: int) -> Matrix:
+    """Compute the means in equal parts of a lap, (k, parts)."""
+    part = np.floor(phase % (2 * np.pi) / (2 * np.pi) * parts).astype(int) % parts
     # steps are no longer than a part, so that next to none is empty
     count = np.maximum(np.bincount(part, minlength=parts), 1)
-    sums = [np.bincount(part, weights=row, minlength=parts) for row in lap.feedback]
+    sums = [np.bincount(part, weights=row, minlength=parts) for row in values]
     return np.array(sums) / count
 
 

@@ -46,7 +46,7 @@ def gates_for(
     """
     if feedforward is None:
         return []
-    check_served(feedforward, robot)
+    check_served(feedforward, robot, motion)
     name = name_borrowed(feedforward, motion, controller, gains, correction)
     return [] if name is None else [FeedforwardGate(name)]
 
@@ -73,8 +73,7 @@ def name_borrowed(
     told = feedforward.provenance
     reasons = []
     if feedforward.kind != "learned":
-        entries = ", ".join(str(each) for each in told.get("entries", ()))
-        reasons.append(f"{feedforward.kind}{f' from entries {entries}' if entries else ''}")
+        reasons.append(feedforward.kind + _from(told.get("entries", ())))
     else:
         reasons += [
             f"learned for {name} {value:g}"
@@ -103,6 +102,13 @@ def _stiffness(controller: WholeBodyController, axes: Sequence[str], gains: Gain
         gains.scale(command, task)
     pairs = [axis.rpartition(".")[::2] for axis in axes]
     return [float(command[f"{task}.P"][known.component_index(task, axis)]) for task, axis in pairs]
+
+
+def _from(entries: Sequence[int]) -> str:
+    if not entries:
+        return ""
+    names = ", ".join(str(each) for each in entries)
+    return f" from {'entry' if len(entries) == 1 else 'entries'} {names}"
 
 
 def _numbers(values: Sequence[float]) -> str:

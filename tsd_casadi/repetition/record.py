@@ -9,6 +9,7 @@ from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.recording import Recording
+from tsd_casadi.repetition.allowed_acceleration import allowed_accelerations
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.repetition.what_to_try import what_to_try
 from tsd_casadi.repetition.why_infeasible import why_infeasible
@@ -57,7 +58,12 @@ def record_of(
         applied=run.feedforward.weights,
         laps=run.laps,
         errors=run.errors,
-        circumstances=Circumstances(run.gains, _setting(run), __version__),
+        circumstances=Circumstances(
+            run.gains,
+            _setting(run),
+            __version__,
+            allowed_accelerations(robot, run.motion, run.feedforward.axes),
+        ),
         declaration=run.motion.declaration(),
     )
 

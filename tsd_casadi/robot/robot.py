@@ -101,7 +101,7 @@ class Robot:
 
     def __repr__(self) -> str:
         """Name the robot and what it has."""
-        parts = (self.description.contacts, self.description.tasks)
+        parts = (self.description.contacts, self.description.all_tasks)
         contacts, tasks = (", ".join(part.name for part in each) for each in parts)
         return f"<Robot {self.name}: {self.n} joints; contacts {contacts}; tasks {tasks}>"
 
@@ -165,6 +165,13 @@ class Robot:
     def home_com(self) -> Vector:
         """Centre of mass at home, shape (3,) [m], world frame."""
         return self.center_of_mass(self.home.q)
+
+    @cached_property
+    def home_inertia(self) -> float:
+        """Mean moment of inertia about the centre of mass, at home [kg m^2]."""
+        data = self.model.createData()
+        pinocchio.ccrba(self.model, data, self.home.q, self.home.v)
+        return float(np.trace(data.Ig.inertia)) / 3.0
 
     def sole_placements(self, q: Vector) -> list[Any]:
         """Compute where the soles are.

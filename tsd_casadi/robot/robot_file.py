@@ -23,7 +23,14 @@ from tsd_casadi.robot.robot_file_sections import (
     SafeTorqueFile,
     SoleFile,
 )
-from tsd_casadi.robot.robot_file_tasks import GAIN_KINDS, AnyTask, wrong_with_gain
+from tsd_casadi.robot.robot_file_tasks import (
+    GAIN_KINDS,
+    AnyTask,
+    ComTaskFile,
+    FrameTaskFile,
+    PlacedTask,
+    check_tasks,
+)
 from tsd_casadi.robot.strict_yaml import read_yaml
 
 
@@ -39,7 +46,7 @@ class RobotFile(OverridesFile):
         mjcf: MuJoCo's description of them.
         home: Joint angles of the home posture [rad]; joints left out are zero.
         contacts: The feet.
-        tasks: The Cartesian tasks.
+        all_tasks: What the file has under 'tasks'.
         posture: Null-space posture.
         regularization: Weights on forces and accelerations.
         limits: Limits beyond those of the description.
@@ -58,7 +65,7 @@ class RobotFile(OverridesFile):
     mjcf: str | None = None
     home: dict[str, Finite]
     contacts: Annotated[tuple[AnyContact, ...], Field(min_length=1)]
-    tasks: Annotated[tuple[AnyTask, ...], Field(min_length=1)]
+    all_tasks: Annotated[tuple[AnyTask, ...], Field(min_length=1, alias="tasks")]
     posture: PostureFile
     regularization: RegularizationFile
     limits: LimitsFile
@@ -69,6 +76,13 @@ class RobotFile(OverridesFile):
     hardware: HardwareFile | None = None
     fallback: FallbackFile = Field(default_factory=HoldFile)
     demo_goals: DemoGoalsFile = Field(default_factory=DemoGoalsFile)
+
+    @property
+    def tasks(self) -> tuple[PlacedTask, ...]:
+        """The Cartesian tasks: those that have a place to be at, which motions move."""
+        return tuple(
+            task for task in self.all_tasks if isinstance(task, (ComTaskFile, FrameTaskFile))
+        )
 
     @property
     def source(self) -> str:
@@ -163,20 +177,8 @@ def _check_ranges(path: Path, robot_file: RobotFile) -> None:
                 "the frame's origin is not inside the sole",
                 "x and y ranges around zero",
             )
-    for index, task in enumerate(robot_file.tasks):
-        if not task.axes or len(set(task.axes)) < len(task.axes):
-            raise RobotFileError(
-                path,
-                f"tasks.{index}.axes",
-                f"is {list(task.axes)}",
-                "at least one axis, none twice",
-            )
-        for name in ("P", "D"):
-            gain = getattr(task, name)
-            wanted = wrong_with_gain(gain, task.axes)
-            if wanted is not None:
-                raise RobotFileError(path, f"tasks.{index}.{name}", f"is {gain}", wanted)
-    names = [part.name for part in (*robot_file.contacts, *robot_file.tasks)]
+    check_tasks(path, robot_file.all_tasks, robot_file.contacts)
+    names = [part.name for part in (*robot_file.contacts, *robot_file.all_tasks)]
     reserved = ("posture", "limits", "regularization", "safe_torque", "period", "q", "v")
     for name in names:
         if names.count(name) > 1 or name in reserved:

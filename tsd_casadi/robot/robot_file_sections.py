@@ -15,6 +15,7 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 
 COM_AXES = ("x", "y", "z")
 FRAME_AXES = ("x", "y", "z", "rx", "ry", "rz")
+ROTATIONS = FRAME_AXES[3:]
 
 
 class Section(BaseModel):

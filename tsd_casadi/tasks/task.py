@@ -124,6 +124,11 @@ class Task(abc.ABC):
         length = ["m" if axis in ("x", "y", "z") else "rad" for axis in self.axes]
         return length[0] if len(set(length)) == 1 else "m, rad"
 
+    @property
+    def error_unit(self) -> str:
+        """Unit of the error in a reply."""
+        return self.unit
+
     def fields(self, robot: Robot) -> tuple[Field, ...]:
         """Describe the command's fields of this task, with the robot's defaults."""
         return (*self.reference_fields(robot), *self.gain_fields(), *self.weight_fields())

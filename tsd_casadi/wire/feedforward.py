@@ -168,12 +168,8 @@ class FeedforwardMessage(Message):
             standard_deviations=deviations,
             kind=self.kind,
             parameters=plain_parameters(declaration, self.parameters),
-            provenance={**self.provenance, **self._told()},
+            # a client looks at it again
+            provenance={**self.provenance, "robot": self.robot},
             declaration=declaration,
             bound=None if self.bound is None else self.bound.bound(len(axes)),
         )
-
-    def _told(self) -> dict[str, Any]:
-        """Tell what a client looks at again: for which robot, and what bounded it."""
-        bound = {} if self.bound is None else {"bound": self.bound.model_dump()}
-        return {"robot": self.robot, **bound}

@@ -57,7 +57,7 @@ def circumstances(robot: Robot, quick: bool) -> dict[str, Any]:
         "cores": cores(),
         "robot": robot.name,
         "robot_fingerprint": robot.fingerprint,
-        "tasks": [task.model_dump(exclude={"type", "frame"}) for task in description.tasks],
+        "tasks": [task.model_dump(exclude={"type", "frame"}) for task in description.all_tasks],
         "hardware": None if description.hardware is None else description.hardware.model_dump(),
         "seed": "0 for starting posture and sensor noise; other seeds are named in the tables",
         "form": "quick" if quick else "full",
