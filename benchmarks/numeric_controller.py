@@ -238,9 +238,11 @@ class NumericController:
             press[:, 2] = (-x_low, x_high, -y_low, y_high)
             press[0, 4], press[1, 4], press[2, 3], press[3, 3] = -1, 1, 1, -1
             twist[:, 2], twist[0, 5], twist[1, 5] = gamma, 1, -1
-            cone = np.vstack((press, slide, twist, push))
+            cone = np.vstack((press, slide, twist, push, -push))
         else:
-            cone = np.vstack((slide, push))[:, :3]
+            cone = np.vstack((slide, push, -push))[:, :3]
         low = np.zeros(len(cone))
-        low[-1] = read(f"{name}.active")[0] * read(f"{name}.minimum_force")[0]
+        active = read(f"{name}.active")[0]
+        low[-2] = active * read(f"{name}.minimum_force")[0]
+        low[-1] = -active * read(f"{name}.maximum_force")[0]
         return cone, low

@@ -66,7 +66,7 @@ def told(feedforward: Feedforward, **changes: Any) -> Feedforward:
 def test_what_is_the_robots_own_passes_without_a_gate(
     own: Feedforward, robot: Robot, controller: Any
 ) -> None:
-    check_served(own, robot)
+    check_served(own, robot, SQUAT)
     assert name_borrowed(own, SQUAT, controller, UNCHANGED, "") is None
     assert gates_for(own, robot, controller, SQUAT, UNCHANGED, "") == []
     assert gates_for(None, robot, controller, SQUAT, UNCHANGED, "") == []
@@ -89,23 +89,27 @@ def test_what_is_not_for_the_robot_is_refused_by_name(
 
 def test_axes_and_numbers_are_looked_at(own: Feedforward, robot: Robot) -> None:
     with pytest.raises(IncompatibleEntry, match=r"along hand\.q, which hermes_lower does not"):
-        check_served(replace(own, axes=("hand.q",)), robot)
+        check_served(replace(own, axes=("hand.q",)), robot, SQUAT)
     with pytest.raises(IncompatibleEntry, match="reaches nan"):
-        check_served(replace(own, weights=np.nan * own.weights), robot)
+        check_served(replace(own, weights=np.nan * own.weights), robot, SQUAT)
     beyond = replace(own, bound=Bound((0.9 / (1 + 2 * ROUNDING),), "what was recorded"))
     with pytest.raises(IncompatibleEntry, match=r"reaches 0\.9 .* along com\.z.*what was recorded"):
-        check_served(beyond, robot)
+        check_served(beyond, robot, SQUAT)
+    # 54 m/s^2 is what the torque limits leave
+    strong = replace(own, bound=Bound((98.0,), "said"), weights=70 * own.weights)
+    with pytest.raises(IncompatibleEntry, match=r"reaches 63 .*, what the torque limits allow"):
+        check_served(strong, robot, SQUAT)
     absurd = replace(own, bound=None, weights=120 * own.weights)
-    with pytest.raises(IncompatibleEntry, match=r"more than 98\.1, what a robot's task may do"):
-        check_served(absurd, robot)
+    with pytest.raises(IncompatibleEntry, match=r"more than .*, what a robot's task may do"):
+        check_served(absurd, robot, SQUAT)
 
 
 def test_rounding_and_what_nobody_wrote_down_are_not_held_against_it(
     own: Feedforward, robot: Robot
 ) -> None:
-    check_served(replace(own, bound=Bound((0.9 / (1 + 0.5 * ROUNDING),), "")), robot)
-    check_served(told(own, body="", formulation=""), robot)
-    check_served(replace(own, provenance={}), robot)
+    check_served(replace(own, bound=Bound((0.9 / (1 + 0.5 * ROUNDING),), "")), robot, SQUAT)
+    check_served(told(own, body="", formulation=""), robot, SQUAT)
+    check_served(replace(own, provenance={}), robot, SQUAT)
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
+from benchmarks.shortest_conflicts import Search
 from tsd_casadi import Command, Controller, InverseDynamics, Robot, Status, Tick
 from tsd_casadi.explanation.conflict import find_conflict
 from tsd_casadi.explanation.explain import explain
@@ -119,6 +120,16 @@ def test_a_weak_ankle(problem: InverseDynamics, controller: Controller) -> None:
     # 600 N 0.1 m in front of the ankle's axis, less what friction and the foot's weight do
     assert 60.0 - 1.0 < ankle.alone < 90.0
     assert "joint_torque.L_AFE" in found.sentence()
+
+
+def test_a_shorter_set_is_looked_for_and_proved(problem: InverseDynamics) -> None:
+    """By what the docs' bounds of sets come from."""
+    command = weak_ankle(problem)
+    command["limits.position_active"] = command["limits.velocity_active"] = 0.0
+    program = problem.evaluate(command.request)
+    search = Search(reduce_rows(program, problem.nv, problem.n_equalities), shortest=18)
+    search.run(seconds=60.0)  # it takes one or two
+    assert search.least == search.shortest == 4
 
 
 def test_more_normal_force_than_joints_may_lift(problem: InverseDynamics) -> None:

@@ -178,3 +178,20 @@ def test_nobody_left_carries_nothing() -> None:
 def test_the_weight_grows_while_a_contact_fades(active: float, times: float) -> None:
     found = np.array(ca.DM(ca.evalf(fading_weight(ca.SX(ca.DM([1.0, 3.0])), ca.SX(active)))))
     np.testing.assert_allclose(found[:, 0], [times, 3 * times])
+
+
+# where a tick fails
+
+
+def test_the_safe_torque_follows_its_contacts(standing: Robot) -> None:
+    problem, controller = made(standing)
+    name, command = controller.format.contacts[0], controller.command()
+    command["q"] = standing.home.q
+    torques = []
+    for active in (*np.linspace(1, 0.01, 100), 1e-4, 1e-7, 0.0):
+        command[f"{name}.active"] = active
+        torques.append(np.array(problem.safe_torque(command.request))[:, 0])
+    steps = np.abs(np.diff(torques, axis=0)).max(axis=1)
+    whole = np.abs(torques[-1] - torques[0]).max()
+    assert whole > 1.0
+    assert steps.max() < 0.1 * whole

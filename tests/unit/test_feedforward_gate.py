@@ -160,8 +160,8 @@ def test_a_share_of_what_is_needed_is_kept(d: tuple[float, float, float], share:
     assert seen.applied[-1] == pytest.approx(expected, abs=1e-9)
 
 
-@pytest.mark.parametrize("factor", [-1.0, 3.0])
-def test_what_is_clearly_wrong_is_dropped_while_standing_and_faded_out(factor: float) -> None:
+@pytest.mark.parametrize("factor", [-0.5, -1.0, -5.0])
+def test_what_has_the_wrong_sign_is_dropped_while_standing_and_faded_out(factor: float) -> None:
     seen = Followed(always(lambda _: 1.0), lambda _: factor)
     (dropped,) = seen.drops
     assert dropped == pytest.approx(-0.5, abs=0.01)
@@ -172,6 +172,26 @@ def test_what_is_clearly_wrong_is_dropped_while_standing_and_faded_out(factor: f
     assert not np.any(seen.applied[after + round(FADE / DT) + 1 :])
     # never more than was phased in until then
     assert np.abs(seen.applied).max() < 0.55 * abs(factor)
+
+
+@pytest.mark.parametrize("factor", [3.0, 6.0])
+def test_what_is_too_much_is_dropped_as_soon_as_more_of_it_is_in_use(factor: float) -> None:
+    seen = Followed(always(lambda _: 1.0), lambda _: factor)
+    assert -0.5 < seen.drops[0] <= 0.5
+    assert not seen.returns
+
+
+def test_a_robot_that_friction_holds_says_nothing_of_the_term_while_standing() -> None:
+    """Nothing moves before the motion, whatever is fed forward."""
+
+    def d(_: float, now: float) -> float:
+        return 1.0 if now > 0 else share(now)
+
+    def share(now: float) -> float:
+        return min(1 + now / (HOLD * FREQUENCY), 1.0)  # what moment_of lets through
+
+    seen = Followed(d, lambda _: 1.0, laps=3)
+    assert not seen.drops
 
 
 def test_what_is_wrong_in_the_motion_only_is_dropped_within_a_lap() -> None:
@@ -325,10 +345,15 @@ def test_it_judges_the_borrowed_term_alone_and_drops_nothing_else() -> None:
 
 
 def test_it_says_what_it_saw_and_what_it_predicts() -> None:
+    standing = Followed(always(lambda _: 1.0), lambda _: -1.0).gate
+    assert standing.veto is not None
+    assert "with what was in use of it" in standing.veto
     dropped = Followed(always(lambda _: 1.0), lambda _: 3.0).gate
     assert dropped.remarks == ()
     assert dropped.veto is not None
-    assert "the borrowed feedforward was dropped at 0.50 s: an RMS error of" in dropped.veto
+    # nearly 2 / 50, and 1 / 50
+    assert "the borrowed feedforward was dropped at 1.50 s: an RMS error of 39" in dropped.veto
+    assert "mm with all of it, 20 mm without" in dropped.veto
     assert "is predicted" in dropped.veto
     assert "guess" not in dropped.veto
     kept = Followed(always(lambda _: 1.0), lambda _: 0.5).gate

@@ -201,6 +201,25 @@ def test_an_examination_names_joints_before_friction() -> None:
     assert " Hz" not in text
 
 
+def test_an_examination_shows_what_motors_have_left_at_speed() -> None:
+    line = {
+        "joint": "knee",
+        "torque_limit": 139.0,
+        "stall_torque": 260.0,
+        "no_load_speed": 18.5,
+        "full_torque_speed": 8.61,
+        "velocity_limit": None,
+    }
+    plain: dict[str, Any] = {"motions": [], "findings": [], "works": True, "torque_speed": [line]}
+    text = printed(lambda: print_examination("mine", plain))
+    assert "left at speed" in text
+    row = next(text_line for text_line in text.splitlines() if "knee" in text_line)
+    assert row.split() == ["knee", "139", "8.61", "260", "18.5", "-"]
+    assert "left at speed" not in printed(
+        lambda: print_examination("mine", {**plain, "torque_speed": []})
+    )
+
+
 def test_goals_say_whether_they_were_met() -> None:
     goals = [
         {"id": "one", "goal": "> 2", "measured": 3.0, "met": True},

@@ -38,7 +38,8 @@ def torque_bounds(v: ca.SX, limit: ca.SX, stall: ca.SX, no_load: ca.SX) -> Torqu
         no_load: Speed at which it is zero, (n,) [rad/s].
     """
     share = v / no_load
+    # comparisons where fmax would be a call for each joint
     return TorqueBounds(
-        lower=-ca.fmin(limit, stall * ca.fmax(1 + share, 0)),
-        upper=ca.fmin(limit, stall * ca.fmax(1 - share, 0)),
+        lower=-ca.fmin(limit, (share > -1) * stall * (1 + share)),
+        upper=ca.fmin(limit, (share < 1) * stall * (1 - share)),
     )

@@ -288,6 +288,7 @@ class InverseDynamics:
         H = self._read("regularization.acceleration") * ca.SX.eye(self.nv)
         g = ca.SX.zeros(self.nv)
         J_active, levels, errors, feedbacks = [], [], [], []
+        rest = self._rest_weight()
         for task in self.tasks:
             read = self._read_of(task.name)
             terms = task.terms(self._dynamics, read)
@@ -296,7 +297,7 @@ class InverseDynamics:
                 read("reference_acceleration"), read("feedforward"), feedback
             )
             level = task.levels(read)
-            weighted = terms.J.T @ task.weight(read, self._rest_weight())
+            weighted = terms.J.T @ task.weight(read, rest)
             H += weighted @ terms.J
             g -= weighted @ (xdd_des - terms.drift)
             J_active.append((level > 0) * terms.J)

@@ -46,7 +46,7 @@ def gates_for(
     """
     if feedforward is None:
         return []
-    check_served(feedforward, robot)
+    check_served(feedforward, robot, motion)
     name = name_borrowed(feedforward, motion, controller, gains, correction)
     return [] if name is None else [FeedforwardGate(name)]
 

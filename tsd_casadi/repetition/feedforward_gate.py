@@ -19,8 +19,8 @@ its reference; at gains so low that it is centimetres off, what it lacks there i
 not what it lacks at the reference. The remarks say both errors, and which of
 them was predicted.
 
-The standing before the motion is judged, too, while the term is being phased in:
-a term that is clearly wrong there is dropped before it is in use. In the motion a
+The standing before the motion is judged, too, by what is in use of the term while it
+is being phased in: one of the wrong sign is dropped before much of it is in use. In the motion a
 lap decides, or half of one that is clear. A term comes back over a lap: what it
 would do is known before all of it is in use. After a second drop only a whole lap
 brings it back, after a pause of a lap, and each further pause is twice as long; that
@@ -127,7 +127,9 @@ class FeedforwardGate(Compensator):
         scale = float(P @ P) / len(P)  # axes that are not moved change nothing
         if scale > 0:
             without = P * (moment.tick.error[self._index] + self._applied.x)
-            moved = P * self._whole.x
+            # standing still, friction holds the robot against what it is not yet asked for
+            term = self._applied if moment.lap < 0 else self._whole
+            moved = P * term.x
             products = (moved @ moved, moved @ without, without @ without)
             self._weigh(moment, Seen.of(*(float(each) / scale for each in products)))
         self._applied.follow(self._u, P, D)
@@ -162,9 +164,10 @@ class FeedforwardGate(Compensator):
         if not harms:
             return
         with_it, without_it = evidence.errors
+        how_much = "what was in use of it" if evidence is self._standing else "all of it"
         self._remarks.append(
             f"{self.name} was dropped at {time:.2f} s: an RMS error of {self._told(with_it)} with "
-            f"all of it, {self._told(without_it)} without, is predicted{_caution(without_it)}"
+            f"{how_much}, {self._told(without_it)} without, is predicted{_caution(without_it)}"
         )
         self.dropped_at, self._since = time, time
         self.drops += 1

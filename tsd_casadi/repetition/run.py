@@ -13,6 +13,7 @@ from tsd_casadi.learning.axis_error import AxisError, rank, unit_of_axis
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.state import Vector
+from tsd_casadi.tick.row_state import AT_LIMIT, JOINT_ROW, name_row
 
 
 @dataclass(frozen=True)
@@ -102,6 +103,24 @@ class Run:
     def measured(self, name: str) -> Vector:
         """Pick a quantity in the steady laps, all axes, (N, k)."""
         return np.asarray(self.log[name][self.log["measured"]])
+
+    @property
+    def limited(self) -> dict[str, Vector]:
+        """When joints were at or past limits of position or velocity, (N,) each.
+
+        By row, named as in ``Tick.active``; a row that yielded has its own name.
+        """
+        if not self.at_limits:
+            return {}
+        states = np.abs(self.log["joint_limits"])
+        columns = np.flatnonzero(np.isin(states, AT_LIMIT).any(axis=0))
+        found: dict[str, Vector] = {}
+        for joint, column in zip(self.at_limits, columns, strict=True):
+            for state in AT_LIMIT:
+                name, when = name_row(f"{JOINT_ROW}.{joint}", state), states[:, column] == state
+                if when.any():
+                    found[name] = found.get(name, when) | when
+        return found
 
     @property
     def learned(self) -> tuple[str, ...]:

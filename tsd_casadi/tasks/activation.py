@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-# stands for a weight of zero, so that nothing is divided by zero
+# beside weights, so that nothing is divided by zero; those that count are a million times it
 LEAST_WEIGHT = 1e-12
 
 
@@ -45,7 +45,7 @@ def weight_shares(level: ca.SX, weight: ca.SX, rest: ca.SX) -> ca.SX:
     Returns:
         (k,), 0 to 1.
     """
-    own, other = ca.fmax(weight, LEAST_WEIGHT), ca.fmax(rest, LEAST_WEIGHT)
+    own, other = weight + LEAST_WEIGHT, rest + LEAST_WEIGHT
     return level * other / ((1 - level) * own + level * other)
 
 

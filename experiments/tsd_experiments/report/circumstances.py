@@ -33,7 +33,7 @@ DIFFERENCES = (
     "tasks alone: without the contacts the posture fights their forces, and learning was 8 times "
     "worse.",
     "The cost has one term more: a small weight on the square of all accelerations, "
-    "'regularization: acceleration' in the robot file, which makes the optimum the only one. Gains "
+    "a number in the robot file, which makes the optimum the only one. Gains "
     "and weights are diagonal, a number for each axis, where the paper has matrices.",
     "What is learned from is the mean of laps that are steady: they agree to 1 % of feedback and "
     "feedforward, or they scatter about something that does not drift. The paper does not say "

@@ -21,8 +21,9 @@ void bound_accelerations(const struct joint_limits* s, const double* limit, enum
 }
 
 double state_of_torque(double at, double v, double limit, double stall, double no_load) {
+  if (at == 0.0) return at;
   const double share = at > 0.0 ? v / no_load : -v / no_load;
-  return at != 0.0 && stall * fmax(1.0 - share, 0.0) < limit ? 6.0 * at : at;
+  return stall * fmax(1.0 - share, 0.0) < limit ? 6.0 * at : at;
 }
 
 /* below -1, above 1, between 0, up to a share of 1 + |bound| */
