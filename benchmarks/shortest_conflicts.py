@@ -7,7 +7,7 @@ rows are given up, every set that cannot hold has one of these (or it could). So
 is shorter than the fewest rows of which each such collection has one; and where those
 cannot hold together, they are the shortest set (implicit hitting sets: Ignatiev, Previti,
 Liffiton and Marques-Silva, Smallest MUS Extraction with Minimal Hitting Set
-Dualization, CP 2015). Elastic linear programs with random weights find collections.
+Dualisation, CP 2015). Elastic linear programs with random weights find collections.
 """
 
 from __future__ import annotations

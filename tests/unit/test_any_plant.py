@@ -291,7 +291,7 @@ def test_a_rotation_on_a_robot_without_that_task_is_refused_before_anything_star
 ) -> None:
     plant = Mass(robot)
     with_com = [task for task in robot.description.tasks if task.type == "com"]
-    description = robot.description.model_copy(update={"tasks": with_com})
+    description = robot.description.model_copy(update={"all_tasks": with_com})
     monkeypatch.setattr(robot, "description", description)
     with pytest.raises(InvalidValue, match=r"a frame task with axis rz among com \(x y z\)"):
         repeat(plant, controller, Twist(0.1, 0.5))
