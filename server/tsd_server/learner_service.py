@@ -79,7 +79,8 @@ class LearnerService:
         self._exact, self._listing, self._fitting = (Reading(path, kept) for _ in range(3))
         self._kept_replies = KeptReplies()
         # the first regression would wait seconds for it
-        importlib.import_module("sklearn.gaussian_process")
+        importlib.import_module("scipy.optimize")
+        importlib.import_module("scipy.stats")
         self._service = Service("learner", ANY_ROBOT, place, subject=str(path.resolve()))
 
     def run(self) -> None:

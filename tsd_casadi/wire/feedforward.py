@@ -8,6 +8,7 @@ from pydantic import Field
 
 from tsd_casadi.document import Document, Finite, Name, to_matrix
 from tsd_casadi.exceptions import MalformedMessage
+from tsd_casadi.learning.band import Band
 from tsd_casadi.learning.feedforward import Feedforward, Kind
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.wire.axis import Axes, NotNegative, axis_messages, plain_axes
@@ -34,6 +35,22 @@ class BandMessage(Document):
     kind: Literal["pointwise", "simultaneous"]
     coverage: Annotated[float, Field(gt=0, lt=1)]
     half_width: list[list[NotNegative]]
+
+    @classmethod
+    def of(cls, band: Band) -> BandMessage:
+        """Describe a band."""
+        return cls(kind=band.kind, coverage=band.coverage, half_width=band.half_width.tolist())
+
+    def band(self, shape: tuple[int, int]) -> Band:
+        """Make the band.
+
+        Args:
+            shape: Of the feedforward's weights, (k, L).
+
+        Raises:
+            MalformedMessage: If its own are others.
+        """
+        return Band(self.kind, self.coverage, to_matrix("half_width", self.half_width, shape))
 
 
 class BoundMessage(Document):
@@ -118,6 +135,7 @@ class FeedforwardMessage(Message):
             others=provenance.get("others", 0),
             epoch=provenance.get("epoch", 0),
             declaration=DeclarationMessage.of(declaration) if declaration.parameters else None,
+            bands=[BandMessage.of(band) for band in feedforward.bands] or None,
             provenance=provenance,
         )
 
@@ -152,4 +170,5 @@ class FeedforwardMessage(Message):
             parameters=plain_parameters(declaration, self.parameters),
             provenance=self.provenance,
             declaration=declaration,
+            bands=tuple(band.band(shape) for band in self.bands or ()),
         )
