@@ -4,16 +4,20 @@ Run: python -m benchmarks.learner [--entries 10 1000 100000] [--queries N] [--js
 
 A service for each number of entries and one that only echoes take turns, in one run:
 an exact query against an echo of as many bytes with the same selector, of entries
-that were asked for before ('exact') and of random ones among all ('first'); a recording
-of new parameters and one of parameters that are known; opening the file; the list of a
-thousand entries as 'tsd database list' asks for, and the command with the start of the
-interpreter. Time is the wall's: medians, and what a machine with less to do would show.
+that were asked for before ('exact'), of what was recorded just before ('after') and of
+random ones among all ('first': where there are more than a learner keeps decoded, most have
+to be read); a recording of new parameters and one of parameters that are known; opening the
+file; the list of a thousand entries as the client gets it, the usual page of it ('page') and
+all, and 'tsd database list' with both, as commands. What starts the interpreter and loads its
+modules for any command of the network is 'its start'. Time is the wall's: medians, and what a
+machine with less to do would show.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 import random
 import subprocess
 import sys
@@ -37,6 +41,7 @@ from tsd_server.service_process import ServiceProcess, free_endpoint
 LISTED = 1_000
 RECORDINGS = 40
 OPENINGS = 5
+USUAL_PAGE = 40
 # entries that are asked for over and over
 USUAL = 100
 # a queryable with a channel and a thread, as the services have, that answers with bytes
@@ -134,17 +139,19 @@ def measure(folder: Path, counts: list[int], queries: int) -> dict[str, Any]:
             for n in counts
         }
         exact = in_turns(asking, queries)
-        lists = in_turns({"list": sessions[LISTED].database}, OPENINGS)
-        command = [sys.executable, "-m", "tsd_cli", "database", "list", "--connect", listed]
-        lists |= in_turns(
+        exact |= _after_recording(
+            {n: sessions[n] for n in counts},
+            lambda n, number: asks(sessions[n]._session, number),
+            lambda: asks(bare, 1),
+        )
+        lists = in_turns(
             {
-                "command": lambda: subprocess.run(command, check=True, capture_output=True),
-                "its start": lambda: subprocess.run(
-                    [*command[:4], "--help"], check=True, capture_output=True
-                ),
+                "page": lambda: sessions[LISTED].database(limit=USUAL_PAGE),
+                "list": sessions[LISTED].database,
             },
             OPENINGS,
         )
+        lists |= _commands(listed)
         fresh = iter(range(max(counts) + 1, max(counts) + 100_000))
         recorded = in_turns(
             {
@@ -174,6 +181,56 @@ def measure(folder: Path, counts: list[int], queries: int) -> dict[str, Any]:
     }
 
 
+def _after_recording(
+    sessions: dict[int, RemoteLearner], asks: Callable[[int, int], object], echo: Asking
+) -> dict[str, list[float]]:
+    """Time the first query for what was recorded just before, and an echo each time [s]."""
+    times: dict[str, list[float]] = {f"after {n}": [] for n in sessions} | {"echo after": []}
+    for number in range(1, RECORDINGS + 1):
+        for n, learner in sessions.items():
+            which = 1 + number % n
+            learner.record(recording(squat(which)))
+            before = perf_counter()
+            asks(n, which)
+            times[f"after {n}"].append(perf_counter() - before)
+            before = perf_counter()
+            echo()
+            times["echo after"].append(perf_counter() - before)
+    return times
+
+
+def _commands(endpoint: str) -> dict[str, list[float]]:
+    """Time the command that lists, and the start of any command of the network [s].
+
+    Of both wall and CPU: the one is how long a user waits on this machine now, the other
+    what there is to do.
+    """
+    of = ["--connect", endpoint]
+    command = [sys.executable, "-m", "tsd_cli", "database", "list", *of]
+    loading = "import tsd_cli.__main__, tsd_cli.command_line, tsd_cli.actions.entries"
+
+    used: dict[str, list[float]] = {}
+
+    def runs(name: str, line: list[str]) -> Asking:
+        def run() -> None:
+            before = os.times()
+            subprocess.run(line, check=True, capture_output=True)
+            after = os.times()
+            spent = after.children_user + after.children_system
+            spent -= before.children_user + before.children_system
+            used.setdefault(f"{name} [CPU]", []).append(spent)
+
+        return run
+
+    lines = {
+        "its start": [sys.executable, "-c", loading],
+        "command": command,
+        "command, all": [*command, "--limit", str(LISTED)],
+    }
+    times = in_turns({name: runs(name, line) for name, line in lines.items()}, OPENINGS)
+    return times | used
+
+
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -193,7 +250,8 @@ def main() -> None:
         print(
             f"{count} entries, {kind}: exact {times[f'exact {count}'] / times['echo']:.2f} echoes, "
             f"{times[f'exact {count}'] / times[f'exact {first}']:.2f} times that of {first}; "
-            f"asked for the first time {times[f'first {count}'] / times['echo']:.2f} echoes; "
+            f"just recorded {times[f'after {count}'] / times['echo after']:.2f}, any of all "
+            f"{times[f'first {count}'] / times['echo']:.2f} echoes; "
             f"record {times[f'record {count}'] / times[f'record {first}']:.2f}, "
             f"again {times[f'again {count}'] / times[f'again {first}']:.2f} times"
         )

@@ -12,7 +12,8 @@ import pinocchio
 
 from tsd_casadi.constraints.joint_position import LARGEST_MARGIN, MARGIN, RETURN_TIME
 from tsd_casadi.costs.null_space_posture import DAMPING
-from tsd_casadi.formulation.inverse_dynamics import InverseDynamics, QuadraticProgram
+from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
+from tsd_casadi.formulation.quadratic_program import QuadraticProgram
 from tsd_casadi.robot.robot_file_sections import FRAME_AXES, PointFile, SoleFile
 from tsd_casadi.state import Matrix, Vector
 
@@ -141,10 +142,11 @@ class NumericController:
             rows.append(row)
             lower.append(low)
             upper.append(np.full(len(low), INFINITY))
-        limit = read("limits.torque")
         rows.append(dynamics[6:])
-        lower.append(-limit - h[6:])
-        upper.append(limit - h[6:])
+        share = v[6:] / read("limits.no_load_speed")
+        for bounds, way in ((lower, -1), (upper, 1)):
+            left = np.maximum(read("limits.stall_torque") * (1 - way * share), 0.0)
+            bounds.append(way * np.minimum(read("limits.torque"), left) - h[6:])
 
         # cost
         H, g = np.zeros((nx, nx)), np.zeros(nx)
@@ -236,9 +238,11 @@ class NumericController:
             press[:, 2] = (-x_low, x_high, -y_low, y_high)
             press[0, 4], press[1, 4], press[2, 3], press[3, 3] = -1, 1, 1, -1
             twist[:, 2], twist[0, 5], twist[1, 5] = gamma, 1, -1
-            cone = np.vstack((press, slide, twist, push))
+            cone = np.vstack((press, slide, twist, push, -push))
         else:
-            cone = np.vstack((slide, push))[:, :3]
+            cone = np.vstack((slide, push, -push))[:, :3]
         low = np.zeros(len(cone))
-        low[-1] = read(f"{name}.active")[0] * read(f"{name}.minimum_force")[0]
+        active = read(f"{name}.active")[0]
+        low[-2] = active * read(f"{name}.minimum_force")[0]
+        low[-1] = -active * read(f"{name}.maximum_force")[0]
         return cone, low

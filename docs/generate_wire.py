@@ -17,6 +17,7 @@ from tsd_casadi.wire import endpoints, keys, session_settings
 from tsd_casadi.wire.feedforward import FeedforwardMessage
 from tsd_casadi.wire.health import HealthMessage
 from tsd_casadi.wire.learner import DatabaseReply, RecordReply
+from tsd_casadi.wire.listing import LARGEST_PAGE
 from tsd_casadi.wire.message import VERSION
 from tsd_casadi.wire.record import RecordMessage
 from tsd_casadi.wire.suggestion import SuggestionMessage
@@ -109,7 +110,9 @@ Services listen on explicit endpoints, by default `{endpoints.CONTROLLER}` (cont
 | `{keys.suggestion_key("<robot>")}` | `{REGION}` | JSON `tsd.suggestion/2` |
 | `{keys.record_key("<robot>")}` | takes the laps of one repetition | JSON `tsd.record/2`, \
 answered by `tsd.recorded/2` |
-| `{keys.database_key("<robot>")}` | what is known; `?forget=N` removes entry N \
+| `{keys.database_key("<robot>")}` | what is known: the {LARGEST_PAGE:,} entries \
+recorded last or those of `?motion=squat;limit=40`, \
+page by page with `?after=N`; `?forget=N` removes entry N \
 | JSON `tsd.database/2` |
 | `{keys.health_key("<robot>", "<role>")}` | uptime, counts by kind, latencies \
 | JSON `tsd.health/2` |
@@ -248,9 +251,10 @@ With the centres c_j, the width h and the weights w of a reply, the feedforward 
 along each of `axes` [unit/s^2], to be added to the task's reference acceleration. Rotations are
 about world axes, as rotation vectors. With `standard_deviations` in place of the weights it is the
 predictive standard deviation at phi. A generalised term has two `bands`: with `half_width` in
-place of the weights the pointwise one is twice that deviation at phi, the simultaneous one half the width of
-a band for whole laps. `disagreeing` of its `provenance` names entries that were left out since the others
-contradict them: `entry`, `parameters` and by how many standard `deviations`. JSON schema:
+place of the weights the pointwise one is twice that deviation at phi, the simultaneous one half
+the width of a band for whole laps. `disagreeing` of its `provenance` names entries that were left
+out since the others contradict them: `entry`, `parameters`, and by how many standard
+`deviations`. JSON schema:
 
 ```json
 {json_schema(FeedforwardMessage)}

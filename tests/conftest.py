@@ -40,6 +40,8 @@ ROBOTS = {
 settings.register_profile(
     "quick", max_examples=100, deadline=None, derandomize=True, database=None, print_blob=True
 )
+# where the same tests run once more, with another Python or other versions of libraries
+settings.register_profile("few", settings.get_profile("quick"), max_examples=20)
 # others at every run, and many of them
 settings.register_profile(
     "thorough", settings.get_profile("quick"), max_examples=2000, derandomize=False

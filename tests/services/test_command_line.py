@@ -141,7 +141,7 @@ def test_auto_goes_where_the_learner_knows_least(connect: list[str], tmp_path: P
     assert known == [False, False, True]
     assert [len(place["errors"]) for place in result["places"]] == [2, 2, 2]
     assert len(result["runs"]) == 6
-    (row,) = [line.split() for line in done.stdout.splitlines() if "0.015" in line]
+    (row,) = [line.split() for line in done.stdout.splitlines() if "0.015" in line.split()]
     assert row[:5] == ["1", "0.015", "1", "-0.01", "com.z"]
 
 

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 import zenoh
 
+from benchmarks.filled_database import fill
 from tsd_casadi.database.database import Database
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
@@ -40,6 +41,7 @@ from tsd_casadi.learning.rules.by_name import find_rule
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.wire.error import ErrorMessage
 from tsd_casadi.wire.keys import feedforward_key, record_key, suggestion_key
+from tsd_casadi.wire.learner import DatabaseReply
 from tsd_casadi.wire.record import RecordMessage
 from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_server.service_process import ServiceProcess, free_endpoint
@@ -446,6 +448,29 @@ def test_who_asks_does_not_wait_for_who_writes(tmp_path: Path) -> None:
         applied = learner.query("squat", robot=ROBOT, amplitude=0.03).weights
         learner.record(replace(recording_of(0.03, 0.005), applied=applied))
         assert learner.query("squat", robot=ROBOT, amplitude=0.03).iteration == 2
+
+
+def test_a_long_list_comes_page_by_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, endpoint = tmp_path / "a.sqlite", free_endpoint()
+    fill(path, 7)
+    with (
+        ServiceProcess(["learner", "--database", str(path), "--listen", endpoint]),
+        RemoteLearner([endpoint]) as learner,
+    ):
+        newest = learner.database(limit=2)
+        assert ([each.entry for each in newest.entries], newest.more) == ([6, 7], 5)
+        assert learner.database("other").entries == []
+        monkeypatch.setattr("tsd_clients.remote.remote_learner.LARGEST_PAGE", 3)
+        assert [len(page.entries) for page in learner.pages()] == [3, 3, 1]
+        assert [each.entry for each in learner.entries(ROBOT, "squat")] == list(range(1, 8))
+        assert learner.entries(motion="sway") == []
+        # what the list says of all is what it says page by page
+        command = [sys.executable, "-m", "tsd_cli", "database", "list", "--connect", endpoint]
+        listed = subprocess.run([*command, "--json", "-"], capture_output=True, check=True)
+        reply = DatabaseReply.decode(listed.stdout)
+        assert reply.entries == learner.entries()
+        shown = subprocess.run([*command, "--limit", "2"], capture_output=True, check=True)
+        assert b"5 more" in shown.stdout
 
 
 def test_a_full_disk_is_named_and_queries_go_on(tmp_path: Path) -> None:

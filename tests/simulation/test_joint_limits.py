@@ -10,23 +10,32 @@ import pytest
 from benchmarks.limits import random_states, wander
 from tsd_casadi import Controller, Database, Robot, Squat, Status, load_robot
 from tsd_casadi.compilation.compile_controller import compile_controller
+from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.repetition.compensator import Compensator, Moment
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.state import State
 from tsd_clients.console.run_tables import print_runs
 from tsd_clients.simulator.simulator import MujocoSimulator
 
-KNEE = "L_KFE"
+# left knees, that bend with larger angles
+KNEES = {"hermes_lower": "L_KFE", "g1": "left_knee_joint", "talos": "leg_left_4_joint"}
 
 
 class Stop(Compensator):
-    """A stop in the way of the left knee."""
+    """A stop in the way of a left knee that bends, and what the controller says of it."""
 
     def __init__(self, robot: Robot) -> None:
-        self.place = robot.joint_names.index(KNEE)
+        self.joint = KNEES[robot.name]
+        self.place = robot.joint_names.index(self.joint)
+        self.angle = robot.home.q[7 + self.place] + 0.02
+        self.said = 0
 
     def before(self, moment: Moment) -> None:
-        moment.command["limits.position_upper"][self.place] = 1.4
+        moment.command["limits.position_upper"][self.place] = self.angle
+
+    def after(self, moment: Moment) -> None:
+        assert moment.tick is not None
+        self.said += f"joint_position.{self.joint}" in moment.tick.active
 
 
 @pytest.mark.parametrize("name", ["hermes_lower", "g1", "talos"])
@@ -73,27 +82,46 @@ def test_a_start_slightly_outside_is_led_back(
     assert np.diff(ways[:200]).min() > -1e-5
 
 
+@pytest.mark.parametrize("name", KNEES)
 def test_learning_against_a_stop_is_said(
-    robot: Robot, controller: Controller, tmp_path: Any, capsys: pytest.CaptureFixture[str]
+    name: str, tmp_path: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    """By the controller, in the run and its table, by ``learn`` and in the entry."""
+    robot = load_robot(name)
+    controller, stop = compile_controller(robot, on_compile=lambda: None), Stop(robot)
     said: list[str] = []
     with Database(tmp_path / "stop.db") as database:
         runs = learn(
             MujocoSimulator(robot),
             controller,
-            [Squat(0.03, 0.5)],
+            [Squat(0.02, 1.0)],
             database,
             iterations=1,
-            compensators=[Stop(robot)],
+            compensators=[stop],
             on_run=lambda _, notes: said.extend(notes),
         )
         (entry,) = database.entries()
-    assert set(runs[0].at_limits) == {KNEE}
-    assert any(KNEE in note for note in said)
+    knee = stop.joint
+    counts = [run.at_limits for run in runs]
+    assert [set(count) for count in counts] == [{knee}, {knee}]
+    assert stop.said == pytest.approx(sum(count[knee] for count in counts), rel=0.2)
+    for run in runs:
+        angles = run.log["q"][:, 7 + stop.place]
+        assert stop.angle - 0.01 < angles.max() < stop.angle + 1e-3
+    assert sum(knee in note for note in said) == 2
     tested = next(iteration for iteration in entry.iterations if iteration.circumstances)
-    assert KNEE in tested.circumstances.setting["at_limits"]
+    assert knee in tested.circumstances.setting["at_limits"]
     print_runs("runs", [{**run.summary(), "label": "run"} for run in runs])
-    assert KNEE in capsys.readouterr().out
+    assert knee in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", KNEES)
+def test_a_lap_that_meets_a_stop_of_the_robot_is_not_learned(name: str, tmp_path: Any) -> None:
+    """Where the limits are those of the robot it is known before anything moves."""
+    robot = load_robot(name)
+    controller = compile_controller(robot, on_compile=lambda: None)
+    with Database(tmp_path / "stop.db") as database, pytest.raises(InvalidValue, match="amplitude"):
+        learn(MujocoSimulator(robot), controller, [Squat(0.4, 0.25)], database)
 
 
 def test_nothing_is_said_in_the_middle(robot: Robot, controller: Controller) -> None:

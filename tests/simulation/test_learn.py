@@ -339,7 +339,11 @@ class Scripted:
         class OfThisError:
             rank = error
             vetoes = ()
+            remarks = ()
+            fell, steady, aborted = False, True, ""
+            failures: ClassVar[dict[str, int]] = {}
             at_limits: ClassVar[dict[str, int]] = {}
+            missed: ClassVar[dict[str, int]] = {}
 
         return OfThisError()
 
@@ -445,7 +449,8 @@ def test_a_first_feedforward_starts_what_is_new_and_goes_if_it_harms(
     else:
         assert runs[0].feedforward.kind == "generalised"
         assert z(runs[0]).rms < 0.2 * z(learned.runs[0]).rms
-        assert notes == []
+        (note,) = notes
+        assert "the feedforward generalised from entry 1 was kept" in note
     assert runs[1].feedforward.kind == "learned"
     # an entry that exists is continued with what it has
     on = learn(simulator, controller, [SQUAT], database, axes=AXES, laps=2, first=first)

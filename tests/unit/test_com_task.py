@@ -59,7 +59,7 @@ def test_terms_against_finite_differences(robot: Robot, axes: tuple[str, ...]) -
 
 
 def test_reference_defaults_to_home(robot: Robot) -> None:
-    field = ComTask("task", ("z",), 1.0, 2.0, 3.0).reference_field(robot)
+    field = ComTask("task", ("z",), 1.0, 2.0, 3.0).reference_fields(robot)[0]
     np.testing.assert_allclose(field.default, com(robot, robot.home.q), atol=1e-12)
     assert (field.name, field.size, field.unit) == ("task.reference", 3, "m")
 
@@ -74,4 +74,6 @@ def test_fields_have_one_value_per_controlled_axis(robot: Robot) -> None:
     assert fields["task.P"].default == (1.0, 1.0)
     assert fields["task.D"].default == (2.0, 2.0)
     assert fields["task.W"].default == (3.0, 0.0, 3.0)
-    assert fields["task.active"].switch
+    for name in ("active", "mask"):
+        assert not fields[f"task.{name}"].switch
+        assert (fields[f"task.{name}"].lower, fields[f"task.{name}"].upper) == (0.0, 1.0)

@@ -74,10 +74,11 @@ def test_an_exact_query_decodes_one_entry_and_the_weights_it_serves(
 ) -> None:
     with Database(filled) as database:
         answer = ask(database, 3)
-        # the entry, its event (once more for the declaration), two iterations
-        assert len(decoded) <= 6
+        # the entry, its event (once more for the declaration), two iterations: what is served
+        # and what it was learned from
+        assert len(decoded) <= 7
         assert decoded.count(IterationOutline) == 2
-        assert decoded.count(IterationRow) == 1
+        assert decoded.count(IterationRow) == 2
         decoded.clear()
         np.testing.assert_array_equal(ask(database, 3).weights, answer.weights)
         assert decoded == []
@@ -86,13 +87,51 @@ def test_an_exact_query_decodes_one_entry_and_the_weights_it_serves(
 def test_a_recording_decodes_no_other_entry(filled: Path, decoded: list[type[Row]]) -> None:
     with Database(filled) as database:
         database.record(recording(squat(2)))
-        assert len(decoded) <= 5
-        assert decoded.count(IterationRow) == 2
+        # what was said of the motion and the entry; what it serves now, read back
+        assert len(decoded) <= 5 + 8
+        assert decoded.count(IterationRow) == 4
+
+
+def test_what_was_just_recorded_is_answered_without_decoding(
+    path: Path, decoded: list[type[Row]]
+) -> None:
+    kept = KeptEntries()
+    with Database(path, kept) as database, Reading(path, kept) as reading:
+        for number in (11, 2):  # a new entry and a known one
+            entry, _ = database.record(recording(squat(number)))
+            ask(reading, 1)  # what was said of the motion
+            decoded.clear()
+            answer = ask(reading, number)
+            assert decoded == []
+            with Database(path) as anew:
+                np.testing.assert_array_equal(ask(anew, number).weights, answer.weights)
+            np.testing.assert_array_equal(entry.served.weights, answer.weights)
+
+
+def test_a_list_is_read_page_by_page_or_what_was_recorded_last(path: Path) -> None:
+    with Database(path) as database:
+        database.forget(4)
+        database.record(recording(squat(2)))
+        newest = database.outlines(most=3)
+        assert [each.identifier for each in newest.entries] == [2, 9, 10]
+        assert newest.more == 6
+        found, after = [], 0
+        while True:
+            page = database.outlines(ROBOT, "squat", most=4, after=after)
+            found += [each.identifier for each in page.entries]
+            assert len(found) + page.more == 9
+            if not page.more:
+                break
+            after = found[-1]
+        assert found == [1, 2, 3, 5, 6, 7, 8, 9, 10]
+        for nothing in (database.outlines("other"), database.outlines(motion="sway", after=0)):
+            assert (nothing.entries, nothing.damaged, nothing.more) == ([], [], 0)
 
 
 def test_a_list_decodes_no_weights(filled: Path, decoded: list[type[Row]]) -> None:
     with Database(filled) as database:
-        outlines, damaged = database.outlines(ROBOT, "squat")
+        page = database.outlines(ROBOT, "squat")
+        outlines, damaged = page.entries, page.damaged
         assert IterationRow not in decoded
         assert damaged == []
         for one, other in zip(outlines, database.entries(), strict=True):
@@ -165,7 +204,7 @@ def test_generalising_decodes_entries_once_and_fits_once(
     between = {"amplitude": 0.01, "frequency": 0.1055}
     with Database(tmp_path / "d.sqlite") as database, Database(tmp_path / "d.sqlite") as other:
         first = database.query("squat", robot=ROBOT, **between)
-        assert decoded.count(IterationRow) == 12
+        assert decoded.count(IterationRow) == 24
         decoded.clear()
         again = database.query("squat", robot=ROBOT, **between)
         assert (decoded, len(fits)) == ([], 1)
@@ -174,7 +213,7 @@ def test_generalising_decodes_entries_once_and_fits_once(
         entry, _ = other.record(recording(squat(5)))
         decoded.clear()
         database.query("squat", robot=ROBOT, **between)
-        assert decoded.count(IterationRow) == 1
+        assert decoded.count(IterationRow) == 2
         assert entry.identifier == 5
 
 
@@ -387,7 +426,7 @@ def test_a_disk_that_is_full_or_read_only_keeps_nobody_from_asking(small_disk: P
                 database.record(recording(squat(number)))
                 answered += 1
         assert ask(reader, 3).kind == "learned"
-        assert len(reader.outlines()[0]) == answered > 10
+        assert len(reader.outlines().entries) == answered > 10
         assert database.verify() == []
     subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
     with pytest.raises(DatabaseError, match="readonly"):

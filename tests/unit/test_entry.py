@@ -46,6 +46,11 @@ def recording(
     return Recording(**{**made, **changes})
 
 
+def measured(error: float) -> dict[str, AxisError]:
+    """What is noted of such a repetition: two laps that do not differ."""
+    return {"com.z": AxisError(error, ac_rms=error / 10, laps=2, scatter=0.0)}
+
+
 def told(rule: str = "guarded", **changes: bool) -> Instruction:
     return Instruction(find_rule(rule), **changes)
 
@@ -72,7 +77,7 @@ def test_first_recording_is_iteration_zero_and_makes_iteration_one() -> None:
     notes = entry.add(recording(error=2e-3, feedback=0.5))
     assert notes == []
     assert numbers(entry) == [0, 1]
-    assert entry.iterations[0].errors == {"com.z": AxisError(2e-3, ac_rms=2e-4)}
+    assert entry.iterations[0].errors == measured(2e-3)
     assert not entry.iterations[0].weights.any()
     assert entry.iterations[1].errors is None
     np.testing.assert_allclose(entry.iterations[1].weights, 0.5, atol=1e-7)
@@ -105,9 +110,9 @@ def test_what_proves_worse_is_dropped_for_the_best_and_the_gain_halved() -> None
 def test_after_a_worse_one_learning_goes_on_from_the_best_with_half_the_gain() -> None:
     entry = entry_after(2e-3, 1e-3, 3e-3)
     base = entry.served.weights
-    entry.add(recording(base, error=1e-3, feedback=0.4))
+    entry.add(recording(base, error=1e-3))
     assert entry.served.number == 3
-    np.testing.assert_allclose(entry.served.weights, base + 0.5 * 0.4, atol=1e-7)
+    np.testing.assert_allclose(entry.served.weights, base + 0.5 * 0.5, atol=1e-7)
 
 
 def test_gain_is_halved_again_each_time() -> None:
@@ -165,7 +170,7 @@ def test_without_update_only_the_errors_are_noted() -> None:
     entry.add(recording(entry.served.weights, 1e-3), told(update=False))
     assert numbers(entry) == [0, 1]
     assert entry.served.number == 1
-    assert entry.served.errors == {"com.z": AxisError(1e-3, ac_rms=1e-4)}
+    assert entry.served.errors == measured(1e-3)
 
 
 def test_without_update_a_worse_one_still_gives_way_to_the_best() -> None:
@@ -304,7 +309,8 @@ def test_feedforward_says_where_it_comes_from() -> None:
     entry.add(recording(entry.served.weights, 0.5e-3), told(update=False))
     tested = entry.feedforward()
     assert tested.provenance["tested"] is True
-    assert tested.provenance["errors"] == {"com.z": {"rms": 0.5e-3, "ac_rms": 0.5e-4, "unit": "m"}}
+    told_so = measured(0.5e-3)["com.z"].plain()
+    assert tested.provenance["errors"] == {"com.z": {**told_so, "unit": "m"}}
 
 
 def test_an_untested_iteration_has_an_infinite_error() -> None:
@@ -468,3 +474,13 @@ def test_a_repeated_iteration_counts_once() -> None:
     again = stable_recording(twice.iterations[1].weights, 2e-3)
     twice.add(again, told("stable", update=False))
     assert once.contractions == twice.contractions
+
+
+def test_weights_say_how_uncertain_the_laps_leave_them() -> None:
+    entry = empty_entry()
+    laps = [Lap(PHASE, np.full((1, 100), feedback)) for feedback in (0.4, 0.6)]
+    entry.add(recording(laps=laps))
+    # of one lap 0.2 / sqrt(2), of two of them less by sqrt(2)
+    assert entry.iterations[1].uncertainty == pytest.approx(0.1, rel=1e-6)
+    assert entry.iterations[0].uncertainty is None
+    np.testing.assert_allclose(entry.feedforward().standard_deviations, 0.1, rtol=1e-6)

@@ -124,6 +124,18 @@ def test_torques_of_a_squat_are_those_of_the_statics(robot: Robot, controller: C
     assert demands.friction is not None and demands.friction.value < 1e-3
 
 
+def test_a_share_of_torque_is_of_what_a_motor_has_at_rest(
+    robot: Robot, controller: Controller, write_robot: WriteRobot
+) -> None:
+    usual = torque_at_rest(robot, controller)
+    limit = float(robot.torque_limit[robot.joint_names.index(usual.of)])
+    half = {"stall_torque": 0.5 * limit, "no_load_speed": 9.0}
+    slow = load_robot(write_robot(update(torque_speed={usual.of: half})))
+    # the ticks are those of the same robot: standing needs less than a half
+    assert usual.value < 0.5
+    assert torque_at_rest(slow, controller).value == pytest.approx(2 * usual.value)
+
+
 def test_a_sway_moves_the_centre_of_pressure_by_the_cart_table(
     robot: Robot, controller: Controller
 ) -> None:

@@ -9,13 +9,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from tsd_casadi import Command, Controller, InverseDynamics, Robot, Status
+from benchmarks.shortest_conflicts import Search
+from tsd_casadi import Command, Controller, InverseDynamics, Robot, Status, Tick
 from tsd_casadi.explanation.conflict import find_conflict
 from tsd_casadi.explanation.explain import explain
 from tsd_casadi.explanation.explanation import Explanation
-from tsd_casadi.explanation.reduced_rows import CONTRADICTION, reduce_rows
+from tsd_casadi.explanation.reduced_rows import reduce_rows
 from tsd_casadi.explanation.row_words import describe_row
-from tsd_casadi.formulation.inverse_dynamics import QuadraticProgram
+from tsd_casadi.formulation.quadratic_program import QuadraticProgram
+from tsd_casadi.state import State
 
 
 def set_joint(robot: Robot, command: Command, field: str, joint: str, value: float) -> None:
@@ -64,6 +66,12 @@ class Independent:
         self._A = np.vstack((np.eye(nv, qp.A.shape[1]), qp.A))
         self._qp, self._equalities = qp, slice(nv, nv + n)
         self._names = list(problem.row_names)
+
+    @property
+    def inequalities(self) -> list[str]:
+        """Names of all limits."""
+        first, end = self._equalities.start, self._equalities.stop
+        return [name for i, name in enumerate(self._names) if not first <= i < end]
 
     def can_hold(self, names: list[str], give: str = "") -> float | None:
         """Least amount by which one row has to give way, None if that is not enough."""
@@ -114,6 +122,16 @@ def test_a_weak_ankle(problem: InverseDynamics, controller: Controller) -> None:
     assert "joint_torque.L_AFE" in found.sentence()
 
 
+def test_a_shorter_set_is_looked_for_and_proved(problem: InverseDynamics) -> None:
+    """By what the docs' bounds of sets come from."""
+    command = weak_ankle(problem)
+    command["limits.position_active"] = command["limits.velocity_active"] = 0.0
+    program = problem.evaluate(command.request)
+    search = Search(reduce_rows(program, problem.nv, problem.n_equalities), shortest=18)
+    search.run(seconds=60.0)  # it takes one or two
+    assert search.least == search.shortest == 4
+
+
 def test_more_normal_force_than_joints_may_lift(problem: InverseDynamics) -> None:
     """Both feet together pressing with three weights throw the robot up with 2 g."""
     command = Command(problem.request)
@@ -140,13 +158,8 @@ def test_sets_are_irreducible_and_violations_the_least(problem: InverseDynamics,
     request = spoil(problem, seed).request
     qp = problem.evaluate(request)
     independent = Independent(problem, qp)
-    inequalities = [
-        name
-        for place, name in enumerate(problem.row_names)
-        if not problem.nv <= place < problem.nv + problem.n_equalities
-    ]
     found = explain(problem, request)
-    assert found.feasible == (independent.can_hold(inequalities) is not None)
+    assert found.feasible == (independent.can_hold(independent.inequalities) is not None)
     names = names_of(found)
     assert len(set(names)) == len(names)
     if names:
@@ -157,6 +170,81 @@ def test_sets_are_irreducible_and_violations_the_least(problem: InverseDynamics,
         least = independent.can_hold(names, give=row.name)
         assert least == pytest.approx(row.alone, rel=1e-4, abs=1e-5)
         assert row.violation == pytest.approx(row.alone / len(names))
+
+
+def ask(controller: Controller, command: Command) -> Tick:
+    state = State(command["q"].copy(), command["v"].copy())
+    return controller.tick(state, command)
+
+
+def check_conflict(problem: InverseDynamics, command: Command, tick: Tick) -> None:
+    """Irreducible, and each amount the least that is enough, as HiGHS says."""
+    independent = Independent(problem, problem.evaluate(command.request))
+    names = list(tick.conflict)
+    assert independent.can_hold(names) is None
+    for name, amount in tick.conflict.items():
+        others = [other for other in names if other != name]
+        assert independent.can_hold(others) is not None, name
+        least = independent.can_hold(names, give=name)
+        assert least == pytest.approx(abs(amount), rel=1e-4, abs=1e-5)
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 2**32 - 1))
+def test_the_reply_says_which_limits_cannot_hold(
+    problem: InverseDynamics, controller: Controller, seed: int
+) -> None:
+    command = spoil(problem, seed)
+    command["explain"] = 1.0
+    tick = ask(controller, command)
+    assert bool(tick.conflict) == (tick.status is Status.INFEASIBLE)
+    if tick.conflict:
+        check_conflict(problem, command, tick)
+
+
+def test_the_reply_says_it_on_every_robot(any_robot: Robot, any_controller: Controller) -> None:
+    """All joints lame, and feet that have to press."""
+    problem, command = InverseDynamics(any_robot), any_controller.command()
+    command["limits.position_active"] = command["limits.velocity_active"] = 0.0
+    command["limits.acceleration"], command["explain"] = 3.0, 1.0
+    command["limits.torque"] *= 0.01
+    for contact in problem.contacts:
+        command[f"{contact.name}.minimum_force"] = any_robot.weight
+    command.set_state(any_robot.home)
+    tick = ask(any_controller, command)
+    assert tick.status is Status.INFEASIBLE
+    if not explain(problem, command.request).dependent:
+        check_conflict(problem, command, tick)
+
+
+def test_the_reply_names_bound_and_side_as_the_definition(
+    problem: InverseDynamics, controller: Controller
+) -> None:
+    command = weak_ankle(problem)
+    command["explain"] = 1.0
+    told = ask(controller, command).conflict
+    found = explain(problem, command.request).conflict
+    signed = {row.name: row.alone * (1 if row.side == "upper" else -1) for row in found}
+    assert told == pytest.approx(signed, rel=1e-6)
+
+
+@pytest.mark.parametrize("weak", [False, True])
+def test_who_does_not_ask_or_need_it_gets_nothing_else(
+    problem: InverseDynamics, controller: Controller, weak: bool
+) -> None:
+    """Nor does the question change the rest of the answer."""
+    command = weak_ankle(problem) if weak else controller.command()
+    command.set_state(problem.robot.home)
+    replies = []
+    for asked in (0.0, 1.0):
+        command["explain"] = asked
+        replies.append(ask(controller, command))
+    silent, told = replies
+    assert silent.conflict == {} and bool(told.conflict) is weak
+    for field in controller.format.reply:
+        if field.name != "conflict" and not field.name.endswith("_time"):
+            place = controller.format.reply.slice(field.name)
+            assert np.array_equal(silent.reply[place], told.reply[place]), field.name
 
 
 def test_if_all_give_way_by_their_violations_they_hold(problem: InverseDynamics) -> None:
@@ -219,17 +307,17 @@ def test_costs_add_up_to_what_is_missing(problem: InverseDynamics, seed: int) ->
 
 
 def test_equalities_that_contradict_each_other(problem: InverseDynamics) -> None:
+    """The first one is held, as in the compiled tick: feet cannot accelerate in two ways."""
     qp = problem.evaluate(Command(problem.request).request)
     nv = problem.nv
-    for apart, contradict in ((0.5 * CONTRADICTION, False), (4 * CONTRADICTION, True)):
-        A, lower, upper = qp.A.copy(), qp.lower.copy(), qp.upper.copy()
-        A[6] = A[7]
-        lower[nv + 6] = upper[nv + 6] = lower[nv + 7] + apart
-        reduced = reduce_rows(
-            QuadraticProgram(qp.H, qp.g, A, lower, upper), nv, problem.n_equalities
-        )
-        assert reduced.dependent == 1
-        assert list(reduced.contradicting) == ([nv + 6, nv + 7] if contradict else [])
+    A, lower = qp.A.copy(), qp.lower.copy()
+    A[7] = A[6]
+    lower[nv + 6] = lower[nv + 7] + 1.0
+    program = QuadraticProgram(qp.H, qp.g, A, lower, np.maximum(lower, qp.upper))
+    reduced = reduce_rows(program, nv, problem.n_equalities)
+    assert list(reduced.held.left_out) == [7]
+    assert A[6] @ reduced.x_0 == pytest.approx(lower[nv + 6])
+    np.testing.assert_allclose(A[6] @ reduced.Z, 0, atol=1e-12)
 
 
 def test_every_row_has_words(any_robot: Robot) -> None:

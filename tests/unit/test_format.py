@@ -59,13 +59,9 @@ def test_switches_and_quaternions_of_the_request(tick_format: TickFormat) -> Non
     layout = tick_format.request
     switches = [layout.locate(index)[0].name for index in layout.switches()]
     assert switches == [
-        "com.active",
-        "pelvis.active",
-        "torso.active",
-        "left_foot.active",
-        "right_foot.active",
         "limits.velocity_active",
         "limits.position_active",
+        "explain",
     ]
     quaternions = [layout.locate(index) for index in layout.quaternions()]
     assert [(field.name, position) for field, position in quaternions] == [
@@ -78,9 +74,9 @@ def test_switches_and_quaternions_of_the_request(tick_format: TickFormat) -> Non
 def test_everything_a_user_may_change_is_in_the_request(tick_format: TickFormat) -> None:
     names = {field.name for field in tick_format.request}
     per_task = ("reference", "reference_velocity", "reference_acceleration", "feedforward")
-    per_task += ("P", "D", "W", "active")
+    per_task += ("P", "P_coupling", "D", "D_coupling", "W", "active", "mask")
     per_contact = ("active", "friction", "torsional_friction", "extents", "minimum_force")
-    per_contact += ("lambda_des", "W_lambda")
+    per_contact += ("maximum_force", "lambda_des", "W_lambda")
     assert names == {
         "q",
         "v",
@@ -90,8 +86,10 @@ def test_everything_a_user_may_change_is_in_the_request(tick_format: TickFormat)
         "regularization.acceleration",
         *(f"limits.{part}" for part in ("torque", "acceleration", "velocity", "braking")),
         *(f"limits.position_{end}" for end in ("lower", "upper")),
+        *(f"limits.{part}" for part in ("stall_torque", "no_load_speed")),
         *(f"limits.{quantity}_active" for quantity in ("velocity", "position")),
         "period",
+        "explain",
         "safe_torque.D",
     }
 
@@ -110,6 +108,7 @@ def test_sizes_of_the_reply(tick_format: TickFormat, robot: Robot) -> None:
         "error": 9,
         "feedback": 9,
         "active": len(tick_format.row_names),
+        "conflict": len(tick_format.row_names),
     }
 
 

@@ -15,9 +15,10 @@ from scipy.spatial.transform import Rotation
 
 from tsd_casadi import Command, Controller, InverseDynamics, Robot, Status, Tick, load_robot
 from tsd_casadi.costs.null_space_posture import DAMPING, null_space_projector
-from tsd_casadi.formulation.inverse_dynamics import QuadraticProgram
+from tsd_casadi.formulation.quadratic_program import QuadraticProgram
 from tsd_casadi.robot.robot_file_sections import COM_AXES, FRAME_AXES
-from tsd_casadi.tasks.task import pack_lower_triangle
+from tsd_casadi.tasks.symmetric import pack_lower_triangle
+from tsd_casadi.tick.row_state import RowState
 
 EACH = 250
 LEAST_ACTIVE = 3
@@ -181,11 +182,32 @@ def one_foot_off(controller: Controller) -> list[Solved]:
 
 
 @pytest.fixture(scope="module")
+def blending(controller: Controller) -> list[Solved]:
+    """Tasks on their way in or out, some with equal levels, masks and full gains."""
+    rng, tasks = np.random.default_rng(12), problem_of(controller).tasks
+    found = []
+    for _ in range(40):
+        command = random_command(problem_of(controller), rng)
+        for task in tasks:
+            command[f"{task.name}.active"] = rng.choice([0.0, 1e-6, 0.3, rng.random(), 1.0])
+            command[f"{task.name}.mask"] = rng.choice([0.0, 0.5, 1.0], task.k, p=[0.2, 0.2, 0.6])
+            for name in ("P", "D") if task.k > 1 else ():
+                coupling = command[f"{task.name}.{name}_coupling"]
+                coupling[:] = rng.uniform(-1, 1, coupling.size) * command[f"{task.name}.{name}"][0]
+        found.append(solve(controller, command))
+    return found
+
+
+@pytest.fixture(scope="module")
 def solutions(
-    nominal: list[Solved], stressed: list[Solved], one_foot_off: list[Solved]
+    nominal: list[Solved],
+    stressed: list[Solved],
+    one_foot_off: list[Solved],
+    blending: list[Solved],
 ) -> list[Solved]:
     # where a joint's limits yield it is another problem: test_yielding.py
-    found = [solved for solved in (*nominal, *stressed, *one_foot_off) if not solved.tick.yielded]
+    every = (*nominal, *stressed, *one_foot_off, *blending)
+    found = [solved for solved in every if not solved.tick.yielded]
     assert len(found) > 2 * EACH
     return found
 
@@ -287,6 +309,11 @@ def test_reported_active_rows_give_the_optimum(
         qp, state = solved.qp, solved.tick.reply[problem.format.reply.slice("active")]
         np.testing.assert_array_equal(state[nv : nv + meq], 2.0)
         A = np.vstack((np.eye(nv, nx), qp.A))
+        # a joint that is past a limit now may be at none of its bounds, or at any
+        past = np.isin(np.abs(state), (RowState.PAST_POSITION, RowState.PAST_VELOCITY))
+        values = np.concatenate((solved.x[:nv], qp.A @ solved.x))
+        below, above = np.abs(values - qp.lower) < 1e-9, np.abs(values - qp.upper) < 1e-9
+        state = np.where(past, above * 1.0 - below, state)
         rows = np.flatnonzero(state)
         target = np.where(state > 0, qp.upper, qp.lower)[rows]
         kkt = np.block([[qp.H, A[rows].T], [A[rows], np.zeros((len(rows), len(rows)))]])
@@ -375,29 +402,62 @@ class Numeric:
     def feedback(self, task: Any) -> np.ndarray:
         J, _, error = self.task(task)
         rate = self.command[f"{task.name}.reference_velocity"] - J @ self.v
-        name = task.name
-        return np.asarray(self.command[f"{name}.P"] * error + self.command[f"{name}.D"] * rate)
+        return np.asarray(self.gain(task, "P") @ error + self.gain(task, "D") @ rate)
+
+    def gain(self, task: Any, name: str) -> np.ndarray:
+        gain = np.diag(self.command[f"{task.name}.{name}"])
+        if len(gain) > 1:
+            below = np.zeros_like(gain)
+            below[np.tril_indices(len(gain), -1)] = self.command[f"{task.name}.{name}_coupling"]
+            gain = gain + below + below.T
+        return gain
+
+    def level(self, task: Any) -> np.ndarray:
+        return np.asarray(self.command[f"{task.name}.active"] * self.command[f"{task.name}.mask"])
+
+    def levels(self) -> list[tuple[float, np.ndarray]]:
+        """Every row with its level."""
+        tasks = self.robot.description.tasks
+        rows = [(s, j) for t in tasks for s, j in zip(self.level(t), self.task(t)[0], strict=True)]
+        return rows + [(float(active), j) for _, J, _, active in self.contacts() for j in J]
 
     def stacked(self) -> list[np.ndarray]:
-        stacked = [self.task(t)[0] for t in self.robot.description.tasks if self.is_active(t.name)]
-        return stacked + [J for _, J, _, active in self.contacts() if active]
+        return [j for s, j in self.levels() if s > 0]
 
     def null_space(self) -> np.ndarray:
-        if not self.stacked():
+        # the mean over all thresholds of the projection past the rows above
+        found, below = np.zeros((self.model.nv, self.model.nv)), 0.0
+        for threshold in sorted({0.0, 1.0, *(s for s, _ in self.levels())})[1:]:
+            there = [j for s, j in self.levels() if s >= threshold]
+            found += (threshold - below) * self.past(there)
+            below = threshold
+        return found
+
+    def past(self, rows: list[np.ndarray]) -> np.ndarray:
+        if not rows:
             return np.eye(self.model.nv)
-        _, s, Vt = np.linalg.svd(np.vstack(self.stacked()), full_matrices=False)
+        _, s, Vt = np.linalg.svd(np.vstack(rows), full_matrices=False)
         return np.eye(self.model.nv) - Vt.T @ np.diag(s**2 / (s**2 + 1e-8)) @ Vt
+
+    def weight(self, task: Any) -> np.ndarray:
+        """The weight in series with the posture's, as far as the task is not there."""
+        level = self.level(task)
+        W = np.zeros((len(level), len(level)))
+        W[np.tril_indices(len(level))] = self.command[f"{task.name}.W"]
+        W = np.tril(W) + np.tril(W, -1).T
+        rest = self.command["posture.W"].mean() + self.command["regularization.acceleration"][0]
+        f = np.zeros(len(level))
+        there = level > 0
+        s, own = level[there], np.diag(W)[there]
+        f[there] = 1 / (1 / own + (1 - s) / (s * rest)) / own
+        return np.asarray(np.sqrt(np.outer(f, f)) * W)
 
     def cost(self) -> tuple[np.ndarray, np.ndarray]:
         command, nv = self.command, self.model.nv
         H, g = command["regularization.acceleration"] * np.eye(nv), np.zeros(nv)
         for task in self.robot.description.tasks:
-            if not self.is_active(task.name):
-                continue
             J, drift, _ = self.task(task)
-            W = np.zeros((len(J), len(J)))
-            W[np.tril_indices(len(J))] = command[f"{task.name}.W"]
-            W = np.tril(W) + np.tril(W, -1).T
+            W = self.weight(task)
             desired = (
                 command[f"{task.name}.reference_acceleration"]
                 + command[f"{task.name}.feedforward"]
@@ -413,7 +473,13 @@ class Numeric:
         g = g - N.T @ W_q @ N @ qdd_des
         contacts = [contact.name for contact in self.robot.description.contacts]
         W_lambda = np.concatenate([command[f"{name}.W_lambda"] for name in contacts])
-        wanted = np.concatenate([command[f"{name}.lambda_des"] for name in contacts])
+        active = np.array([float(command[f"{name}.active"][0]) for name in contacts])
+        each = [command[f"{name}.lambda_des"] for name in contacts]
+        # those that stand take over what the others carried
+        weight = np.array([forces[2] for forces in each])
+        more = weight.sum() / (weight @ active) if active.any() else 0.0
+        wanted = np.concatenate([a * more * forces for a, forces in zip(active, each, strict=True)])
+        W_lambda *= 1 / np.maximum(np.repeat(active, [len(forces) for forces in each]), 1e-3)
         whole = np.zeros((nv + len(wanted), nv + len(wanted)))
         whole[:nv, :nv] = H
         whole[nv:, nv:] = np.diag(W_lambda)
@@ -438,6 +504,15 @@ class Numeric:
             most.append((min(s, fastest) - speed) / T)
         upper = max(min(most[0], limit), -limit)
         return min(max(-most[1], -limit), upper), upper
+
+    def torque_bounds(self, i: int) -> tuple[float, float]:
+        limit, stall, no_load = (
+            float(self.command[f"limits.{name}"][i])
+            for name in ("torque", "stall_torque", "no_load_speed")
+        )
+        share = float(self.v[6 + i]) / no_load
+        left = [min(limit, max(0.0, stall * (1 - way * share))) for way in (-1, 1)]
+        return -left[0], left[1]
 
     def rows(self) -> dict[str, tuple[np.ndarray, float, float]]:
         robot, command, nv = self.robot, self.command, self.model.nv
@@ -490,10 +565,11 @@ class Numeric:
             for row, columns in faces.items():
                 add(f"{name}.{row}", columns, 0.0, 1e30)
             least = command[f"{name}.minimum_force"][0] if active else 0.0
-            add(f"{name}.unilateral_force", {fz: 1.0}, least, 1e30)
+            most = command[f"{name}.maximum_force"][0] if active else 1e30
+            add(f"{name}.unilateral_force", {fz: 1.0}, least, most)
         for i, joint in enumerate(robot.joint_names):
-            limit, h = command["limits.torque"][i], self.h[6 + i]
-            rows[f"joint_torque.{joint}"] = (dynamics[6 + i], -limit - h, limit - h)
+            (low, high), h = self.torque_bounds(i), self.h[6 + i]
+            rows[f"joint_torque.{joint}"] = (dynamics[6 + i], low - h, high - h)
         return rows
 
 
@@ -527,6 +603,14 @@ def test_stressed_data_against_an_independent_assembly(
     robot: Robot, problem: InverseDynamics, stressed: list[Solved]
 ) -> None:
     test_data_against_an_independent_assembly(robot, problem, stressed[:40], [])
+
+
+def test_tasks_on_their_way_against_an_independent_assembly(
+    robot: Robot, problem: InverseDynamics, blending: list[Solved]
+) -> None:
+    assert all(solved.tick.status == Status.OK for solved in blending)
+    test_data_against_an_independent_assembly(robot, problem, blending, [])
+    test_error_and_feedback_are_reported(robot, blending)
 
 
 def test_error_and_feedback_are_reported(robot: Robot, nominal: list[Solved]) -> None:
@@ -652,8 +736,9 @@ def test_null_space_projector_against_numpy(rows: int) -> None:
     J = np.random.default_rng(0).normal(size=(rows, 23))
     J[1] = 0.0  # switched off
     J[3] = J[2]  # dependent
-    symbol = ca.MX.sym("J", rows, 23)
-    found = np.array(ca.Function("P", [symbol], [null_space_projector(symbol)])(J))
+    symbol, level = ca.MX.sym("J", rows, 23), np.ones(rows)
+    level[1] = 0.0
+    found = np.array(ca.Function("P", [symbol], [null_space_projector(symbol, level)])(J))
     _, s, Vt = np.linalg.svd(J, full_matrices=False)
     expected = np.eye(23) - Vt.T @ np.diag(s**2 / (s**2 + DAMPING)) @ Vt
     np.testing.assert_allclose(found, expected, atol=1e-6)

@@ -5,12 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tsd_casadi.encoding.laps import (
+from tsd_casadi.encoding.laps import Lap, join_laps
+from tsd_casadi.encoding.steadiness import (
     ABSOLUTE_TOLERANCE,
     RELATIVE_TOLERANCE,
-    Lap,
     first_steady_lap,
-    join_laps,
 )
 
 PHASE = np.linspace(0, 2 * np.pi, 200, endpoint=False)
@@ -26,7 +25,7 @@ def steady_from(laps: list[Lap]) -> int | None:
     """Index of the first steady lap among some that follow the very first one."""
     k = laps[0].feedback.shape[0] if laps else 1
     beginning = Lap(PHASE, np.full((k, PHASE.size), 1e6))
-    found = first_steady_lap([beginning, *laps])
+    found = first_steady_lap([beginning, *laps], ["m"] * k)
     return None if found is None else found - 1
 
 
@@ -122,8 +121,8 @@ def test_steady_laps_are_the_longest_agreeing_suffix(means: list[float]) -> None
 
 
 def test_the_very_first_lap_never_counts() -> None:
-    assert first_steady_lap([lap(1.0), lap(1.0)]) is None
-    assert first_steady_lap([lap(1.0), lap(1.0), lap(1.0)]) == 1
+    assert first_steady_lap([lap(1.0), lap(1.0)], ["m"]) is None
+    assert first_steady_lap([lap(1.0), lap(1.0), lap(1.0)], ["m"]) == 1
 
 
 @pytest.mark.parametrize(("fed_forward", "steady"), [(1.0, True), (0.1, False)])

@@ -85,3 +85,8 @@ def test_programs_use_one_thread_for_linear_algebra(
     )
     expected = ["1", "1", "1"] if users is None else ["None", "None", users]
     assert done.stdout.split() == expected, done.stderr
+
+
+def test_a_list_of_the_database_loads_no_robot() -> None:
+    code = "import sys, tsd_cli.actions.entries; print(*sys.modules)"
+    assert not loaded_by(code) & HEAVY

@@ -29,6 +29,7 @@ from tsd_casadi.exceptions import (
 )
 from tsd_casadi.generalization.suggestion import Suggestion
 from tsd_casadi.learning.axis_error import AxisError
+from tsd_casadi.learning.band import Band
 from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.entry import Entry
@@ -325,10 +326,12 @@ def test_feedforward_is_exact_over_json(seed: int, size: int) -> None:
     assert found.declaration == DECLARATION
     np.testing.assert_array_equal(found.weights, feedforward.weights)
     np.testing.assert_array_equal(found.standard_deviations, feedforward.standard_deviations)
+    told = {**feedforward.provenance, "robot": "r"}
     assert replace(found, weights=0, standard_deviations=0) == replace(  # type: ignore[arg-type]
         feedforward,
         weights=0,
         standard_deviations=0,  # type: ignore[arg-type]
+        provenance=told,
     )
 
 
@@ -367,9 +370,15 @@ def test_entry_message_says_what_is_served_and_tested() -> None:
     assert [item.number for item in ENTRY.iterations] == [0, 1, 2]
     assert ENTRY.served == 2
     assert ENTRY.iterations[2].errors is None
-    assert ENTRY.iterations[1].errors == {
-        "com.z": AxisErrorMessage(rms=1e-3, ac_rms=1e-4, unit="m")
+    errors = ENTRY.iterations[1].errors
+    assert errors is not None
+    assert errors["com.z"].model_dump(exclude={"scatter"}, exclude_none=True) == {
+        "rms": 1e-3,
+        "ac_rms": 1e-4,
+        "laps": 2,
+        "unit": "m",
     }
+    assert errors["com.z"].scatter is not None
     assert ENTRY.context.context() == CONTEXT
     assert ENTRY.axes == [AxisMessage(name="com.z", unit="m")]
 
@@ -800,6 +809,26 @@ def test_centres_that_are_off_by_more_than_1e_9_are_refused() -> None:
     )
     with pytest.raises(MalformedMessage):
         message.feedforward()
+
+
+def test_bands_are_exact_over_json() -> None:
+    feedforward = a_feedforward()
+    bands = tuple(
+        Band(kind, 0.95, factor * feedforward.standard_deviations)
+        for kind, factor in (("pointwise", 2.0), ("simultaneous", 3.5))
+    )
+    message = FeedforwardMessage.of("r", "squat", replace(feedforward, bands=bands))
+    found = FeedforwardMessage.decode(message.encode()).feedforward().bands
+    assert [(band.kind, band.coverage) for band in found] == [
+        ("pointwise", 0.95),
+        ("simultaneous", 0.95),
+    ]
+    for band, expected in zip(found, bands, strict=True):
+        np.testing.assert_array_equal(band.half_width, expected.half_width)
+    document = json.loads(message.encode())
+    document["bands"][1]["half_width"].pop()
+    with pytest.raises(MalformedMessage, match="half_width of another shape"):
+        FeedforwardMessage.decode(json.dumps(document).encode()).feedforward()
 
 
 def test_a_feedforward_of_no_axes_is_refused() -> None:

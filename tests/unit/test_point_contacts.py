@@ -22,6 +22,7 @@ from tsd_casadi import (
 )
 from tsd_casadi.compilation.code_generation import generate_sources
 from tsd_casadi.exceptions import RobotFileError
+from tsd_casadi.formulation.dependent_rows import sort_rows
 from tsd_casadi.robot.checks import FLATNESS
 from tsd_casadi.robot.foot import feet_jacobian
 
@@ -69,11 +70,14 @@ def test_a_point_has_three_of_each_and_no_sole(quadruped: InverseDynamics) -> No
         "active": 1,
         "friction": 1,
         "minimum_force": 1,
+        "maximum_force": 1,
         "lambda_des": 3,
         "W_lambda": 3,
     }
     assert (fields["lambda_des"].unit, fields["W_lambda"].unit) == ("N", "1/N^2")
-    assert fields["lambda_des"].description == "wanted force, world axes"
+    assert fields["lambda_des"].description == (
+        "wanted force while all contacts have active = 1, world axes"
+    )
     rows = [name for name in quadruped.row_names if name.startswith("fl_ground.")]
     assert rows == [
         *(f"fl_ground.acceleration.{axis}" for axis in "xyz"),
@@ -241,14 +245,17 @@ def test_three_points_are_enough(write_quadruped: Write) -> None:
     assert len(robot.feet) == 3
 
 
-def test_points_that_depend_on_each_other_are_refused(write_quadruped: Write) -> None:
+def test_points_that_depend_on_each_other_are_found(write_quadruped: Write) -> None:
     def twice(document: Any) -> None:
         document["contacts"].append({**document["contacts"][0], "name": "again"})
 
-    error = error_of(write_quadruped(twice))
-    assert error.field == "contacts"
-    assert "can move in 12 ways only" in str(error)
-    assert "three for each point would be 15" in str(error)
+    problem = InverseDynamics(load_robot(write_quadruped(twice)))
+    program = problem.evaluate(Command(problem.request).request)
+    nv, end = problem.nv, problem.nv + problem.n_equalities
+    rows = sort_rows(program.A[: problem.n_equalities], program.lower[nv:end])
+    left_out = [problem.row_names[nv + row] for row in rows.left_out]
+    assert left_out == [f"again.acceleration.{axis}" for axis in "xyz"]
+    assert rows.partly == ()
 
 
 @pytest.mark.parametrize("field", ["x", "y", "torsional_friction"])

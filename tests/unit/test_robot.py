@@ -311,13 +311,11 @@ def posture_with_raised_com(robot: Robot, rise: float) -> np.ndarray:
     return np.asarray(pinocchio.integrate(model, home, found.x))
 
 
-def test_legs_that_cannot_move_their_feet_freely_are_refused(write_robot: WriteRobot) -> None:
+def test_legs_that_cannot_move_their_feet_freely_are_a_robot(write_robot: WriteRobot) -> None:
     def lock_ankles(text: str) -> str:
         return re.sub(r'name="(._A(?:AA|R))" type="revolute"', r'name="\1" type="fixed"', text)
 
-    error = error_of(write_robot(urdf=lock_ankles))
-    assert error.field == "contacts"
-    assert "at least six joints" in error.expected
+    assert load_robot(write_robot(urdf=lock_ankles)).n == 13
 
 
 def test_a_robot_needs_no_scene(write_robot: Callable[..., Path]) -> None:

@@ -5,6 +5,9 @@ from contextlib import contextmanager
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.markup import escape
 
 from tsd_casadi import Squat
 from tsd_casadi.learning.axis_error import AxisError
@@ -28,7 +31,7 @@ from tsd_clients.console.learner_tables import (
 )
 from tsd_clients.console.motion_tables import print_motion, print_motions
 from tsd_clients.console.run_tables import print_accuracy, print_goals, print_runs
-from tsd_clients.console.table import Column, console, print_table
+from tsd_clients.console.table import MOST_DRESSED, Column, console, plain_lines, print_table
 
 SUMMARY: dict[str, Any] = {
     "label": "baseline",
@@ -183,7 +186,7 @@ def test_an_examination_names_joints_before_friction() -> None:
         "pressure": 0.04,
         **dict.fromkeys(names, part),
     }
-    plain = {"motions": [motion], "findings": [], "works": True}
+    plain = {"motions": [motion], "findings": [], "works": True, "torque_speed": []}
     with console_of(80):
         text = printed(lambda: print_examination("mine", plain))
     heading, left_out = text.split("left_hip_pitch_joint", 1)[0], text.split("no room for")[-1]
@@ -196,6 +199,25 @@ def test_an_examination_names_joints_before_friction() -> None:
     assert "frequency=0.25" in text
     assert "frequency=0.2 " in text
     assert " Hz" not in text
+
+
+def test_an_examination_shows_what_motors_have_left_at_speed() -> None:
+    line = {
+        "joint": "knee",
+        "torque_limit": 139.0,
+        "stall_torque": 260.0,
+        "no_load_speed": 18.5,
+        "full_torque_speed": 8.61,
+        "velocity_limit": None,
+    }
+    plain: dict[str, Any] = {"motions": [], "findings": [], "works": True, "torque_speed": [line]}
+    text = printed(lambda: print_examination("mine", plain))
+    assert "left at speed" in text
+    row = next(text_line for text_line in text.splitlines() if "knee" in text_line)
+    assert row.split() == ["knee", "139", "8.61", "260", "18.5", "-"]
+    assert "left at speed" not in printed(
+        lambda: print_examination("mine", {**plain, "torque_speed": []})
+    )
 
 
 def test_goals_say_whether_they_were_met() -> None:
@@ -234,6 +256,49 @@ def test_an_entry_of_somebodys_own_client_may_have_fewer_measures() -> None:
     entry = an_entry(0).model_copy(update={"iterations": iterations})
     reply = DatabaseReply(database="/tmp/d.sqlite", entries=[entry])
     assert "1.5000" in printed(lambda: print_entries(reply))
+
+
+def test_a_list_says_how_many_more_there_are() -> None:
+    reply = DatabaseReply(database="d", entries=[an_entry(0)], more=960)
+    assert "960 more that were recorded before: --limit" in printed(lambda: print_entries(reply))
+    whole = DatabaseReply(database="d", entries=[an_entry(0)])
+    assert "--limit" not in printed(lambda: print_entries(whole))
+
+
+def test_entries_are_listed_with_epoch_correction_and_true_error_where_they_are_known() -> None:
+    plain = an_entry(0)
+    errors = error_messages({"com.z": AxisError(1.5e-3, true_rms=7.25e-3)})
+    known = plain.model_copy(
+        update={
+            "context": ContextMessage(body="0123", formulation="fedc", correction="c0ffee99"),
+            "iterations": [IterationMessage(number=0, errors=errors, epoch=3)],
+        }
+    )
+    text = printed(lambda: print_entries(DatabaseReply(database="d", entries=[plain, known])))
+    (row,) = [line.split() for line in text.splitlines() if "c0ffee" in line]
+    assert {"7.2500", "c0ffee", "3"} <= set(row)
+    assert "true RMS" not in printed(
+        lambda: print_entries(DatabaseReply(database="d", entries=[plain]))
+    )
+
+
+CELL = st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]), max_size=5)
+
+
+@given(st.lists(st.tuples(CELL, CELL), min_size=1, max_size=4))
+def test_a_long_table_looks_as_rich_would_lay_it_out(cells: list[tuple[str, str]]) -> None:
+    left, right = ([escape(each) for each in column] for column in zip(*cells, strict=True))
+    columns = [Column("a\nm", right), Column("b", left, is_text=True), Column("c", right)]
+    dressed = printed(lambda: print_table("", columns)).splitlines()
+    assert plain_lines(columns) == [line.rstrip() for line in dressed[1:]]
+
+
+def test_many_rows_are_printed_plainly(monkeypatch: pytest.MonkeyPatch) -> None:
+    columns = [Column("a", ["1"] * (MOST_DRESSED + 1))]
+    dressed = printed(lambda: print_table("", columns)).splitlines()
+    monkeypatch.delattr("tsd_clients.console.table.Table")
+    plain = printed(lambda: print_table("", columns)).splitlines()
+    assert [line.rstrip() for line in plain] == [line.rstrip() for line in dressed]
 
 
 def test_places_are_shown_with_units_and_what_was_known_before() -> None:
@@ -301,6 +366,9 @@ def test_contraction_is_shown_by_harmonic() -> None:
     text = printed(lambda: print_contractions(SQUAT, {"amplitude": 0.03}, [account]))
     for part in ("com.z", "amplitude 0.03 m", "0.95 ± 0.04", "12.0 ± 3.0 ms", "bandwidth 0.5 Hz"):
         assert part in text
+    # the prediction is exceeded by loops that are not linear
+    assert "if linear" in text
+    assert "at most" not in text
     rows = [line.split() for line in text.splitlines()]
     assert ["1", "0.5", "0.40", "0.10", "-"] in rows
     assert ["2", "1", "1.20", "-", "0.97"] in rows

@@ -11,7 +11,7 @@ import quadprog
 
 from tsd_casadi import Command, Controller, InverseDynamics, Robot, Status, Tick, load_robot
 from tsd_casadi.constraints.joint_acceleration import YIELDING_WEIGHT
-from tsd_casadi.formulation.inverse_dynamics import QuadraticProgram
+from tsd_casadi.formulation.quadratic_program import QuadraticProgram
 from tsd_casadi.tick.row_state import RowState
 
 EACH = 150

@@ -23,7 +23,7 @@ from tsd_casadi.center_of_mass.mass_prior import NOISE, MassPrior
 from tsd_casadi.center_of_mass.static_chain import StaticChain
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file_sections import FrameTaskFile
+from tsd_casadi.robot.robot_file_tasks import FrameTaskFile
 from tsd_casadi.robot.standing import stand, standing_heights
 from tsd_casadi.state import Matrix, State, Vector
 
@@ -38,6 +38,8 @@ LONGEST_STEP = 0.5  # rad
 # distance from joint limits [rad]; least singular value, of home's, left to the
 # tasks: straight knees have none
 MARGIN, LEAST_MOBILITY = 0.05, 0.4
+# singular value below which feet follow from each other, whatever the posture
+DEPENDENT = 1e-3
 DAMPING = 1e-9
 
 
@@ -100,7 +102,9 @@ class _Candidates:
         self._low = np.array([-forward, -sideways, lowest])
         self._high = np.array([forward, sideways, highest])
         _, J = self._residual(robot.home.q, robot.home_com, self._upright)
-        self._mobility = float(np.linalg.svd(J, compute_uv=False)[-1])
+        values = np.linalg.svd(J, compute_uv=False)
+        self._independent = int(np.sum(values > DEPENDENT))
+        self._mobility = float(values[self._independent - 1])
 
     def draw(self, count: int) -> list[Vector]:
         """Draw configurations, fewer than asked for where references are out of reach."""
@@ -127,7 +131,7 @@ class _Candidates:
     def _is_safe(self, q: Vector, J: Matrix) -> bool:
         low, high = self._model.lowerPositionLimit[7:], self._model.upperPositionLimit[7:]
         inside = ((low + MARGIN <= q[7:]) & (q[7:] <= high - MARGIN)).all()
-        mobility = float(np.linalg.svd(J, compute_uv=False)[-1])
+        mobility = float(np.linalg.svd(J, compute_uv=False)[self._independent - 1])
         return bool(inside and mobility >= LEAST_MOBILITY * self._mobility)
 
     def _residual(self, q: Vector, com: Vector, rotations: list[Any]) -> tuple[Vector, Matrix]:

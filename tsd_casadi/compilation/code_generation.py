@@ -10,6 +10,7 @@ import casadi as ca
 from tsd_casadi.constraints.joint_acceleration import YIELDING_WEIGHT
 from tsd_casadi.costs.null_space_posture import DAMPING
 from tsd_casadi.formulation.contact import WRENCH
+from tsd_casadi.formulation.dependent_rows import DEPENDENT, HOLDING_WEIGHT, INDEPENDENT
 from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
 from tsd_casadi.tick.layout import QUATERNION_TOLERANCE
 
@@ -21,8 +22,28 @@ PRIMAL_TOLERANCE = 1e-10
 LIMIT_TOLERANCE = 1e-6
 # Some 30 times what stressed states need.
 ITERATION_LIMIT = 400
+# What native/ reads of the request's limits.
+LIMITS_READ = (
+    "torque",
+    "stall_torque",
+    "no_load_speed",
+    "acceleration",
+    "velocity",
+    "velocity_active",
+    "position_lower",
+    "position_upper",
+    "position_active",
+)
 # The hand-written part, in native/.
-NATIVE = ("dense.h", "tick.h", "posture.c", "elimination.c", "joint_limits.c", "tick.c")
+NATIVE = (
+    "dense.h",
+    "tick.h",
+    "posture.c",
+    "elimination.c",
+    "joint_limits.c",
+    "conflict.c",
+    "tick.c",
+)
 
 
 def generate_sources(problem: InverseDynamics) -> dict[str, str]:
@@ -57,12 +78,20 @@ def _header(problem: InverseDynamics) -> str:
         "N_GENERAL": len(problem.format.row_names) - problem.nv,
         "N_EQUALITIES": problem.n_equalities,
         "POSTURE_DAMPING": DAMPING,
+        "DEPENDENT": DEPENDENT,
+        "INDEPENDENT": INDEPENDENT,
+        "HOLDING_WEIGHT": HOLDING_WEIGHT,
         "PRIMAL_TOLERANCE": PRIMAL_TOLERANCE,
         "LIMIT_TOLERANCE": LIMIT_TOLERANCE,
         "ITERATION_LIMIT": ITERATION_LIMIT,
         "YIELDING_WEIGHT": YIELDING_WEIGHT,
-        "REQUEST_ACCELERATION": request.slice("limits.acceleration").start,
         "QUATERNION_TOLERANCE": QUATERNION_TOLERANCE,
+    }
+    sizes |= {
+        f"REQUEST_{name.upper()}": request.slice(name).start for name in ("q", "v", "explain")
+    }
+    sizes |= {
+        f"REQUEST_{name.upper()}": request.slice(f"limits.{name}").start for name in LIMITS_READ
     }
     sizes |= {f"REPLY_{part.name.upper()}": reply.slice(part.name).start for part in reply}
     sizes |= _work_sizes(problem)

@@ -15,23 +15,26 @@ from tsd_casadi.constraints.rows import BASE_AXES, Rows
 
 
 def contact_acceleration(
-    name: str, J: ca.SX, drift: ca.SX, active: ca.SX, selection: ca.SX
+    name: str, J: ca.SX, drift: ca.SX, standing: ca.SX, selection: ca.SX
 ) -> Rows:
-    """Keep a foot from accelerating while it is in contact, by one equality per force.
+    """Keep a foot from accelerating while it stands, by one equality per force.
+
+    The rows are those of the foot or those of its force, never a mixture of the two: they
+    have other units. What fades while a contact comes and goes is the force that it may carry.
 
     Args:
         J: Jacobian of the foot, the contact's axes, (6, nv) or (3, nv).
         drift: dJ/dt v, same axes, classical for translation, (6,) or (3,).
-        active: 1 in contact, 0 not.
+        standing: 1 while the contact carries anything, 0 where it does not.
         selection: (6, l) or (3, l), picks this contact's forces out of lambda.
 
     Returns:
-        Rows active (J qdd + drift) + (1 - active) lambda = 0.
+        Rows J qdd + drift = 0 of a foot that stands, lambda = 0 of one that does not.
     """
     return Rows(
         names=tuple(f"{name}.acceleration.{axis}" for axis in BASE_AXES[: J.size1()]),
-        A=ca.horzcat(active * J, (1 - active) * selection),
-        lower=-active * drift,
-        upper=-active * drift,
+        A=ca.horzcat(standing * J, (1 - standing) * selection),
+        lower=-standing * drift,
+        upper=-standing * drift,
         equality=True,
     )

@@ -1,6 +1,6 @@
 r"""Joint torques stay inside their limits.
 
-.. math:: -\tau_{max} \le M_a \ddot q + h_a - J_{c,a}^T \lambda \le \tau_{max}
+.. math:: \tau_{low} \le M_a \ddot q + h_a - J_{c,a}^T \lambda \le \tau_{high}
 """
 
 from __future__ import annotations
@@ -10,22 +10,22 @@ from collections.abc import Sequence
 import casadi as ca
 
 from tsd_casadi.constraints.rows import Rows
+from tsd_casadi.constraints.torque_speed import TorqueBounds
 
 
-def joint_torque(joints: Sequence[str], A_tau: ca.SX, h_a: ca.SX, limit: ca.SX) -> Rows:
+def joint_torque(joints: Sequence[str], A_tau: ca.SX, h_a: ca.SX, bounds: TorqueBounds) -> Rows:
     """Bound the torque of each joint, by one two-sided row.
 
     Args:
         A_tau: (n, nv + l) of tau = A_tau x + h_a.
         h_a: (n,) [N m].
-        limit: tau_max, (n,) [N m].
 
     Returns:
-        Rows -tau_max - h_a <= A_tau x <= tau_max - h_a.
+        Rows lower - h_a <= A_tau x <= upper - h_a.
     """
     return Rows(
         names=tuple(f"joint_torque.{joint}" for joint in joints),
         A=A_tau,
-        lower=-limit - h_a,
-        upper=limit - h_a,
+        lower=bounds.lower - h_a,
+        upper=bounds.upper - h_a,
     )

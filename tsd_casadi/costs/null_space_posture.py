@@ -9,6 +9,17 @@ r"""Posture in the null space of all Cartesian tasks and contacts [P_null, qdd_d
 J stacks every active task **and every active contact**. Without the contact
 rows the posture fights the contact forces, and learning converges several
 times more slowly.
+
+Rows whose level s is between 0 and 1 are on their way in or out. Scaled rows would leave
+P_null as it is until s is almost 0. So it goes over from the one to the other: with one
+task of level s, P_null = (1 - s) P_without + s P_with, and with several
+
+.. math:: P_{null} = (1 - s_{(1)}) I + \sum_i (s_{(i)} - s_{(i+1)}) P_i
+
+where the rows are in the order of falling levels and P_i is the projection of the first i
+of them: the Lovasz extension of rows that are there or not, which is continuous, and
+where all levels are 0 or 1 the equation above. Weighted rows in an order of their own are
+Liu, Tan and Padois' (Autonomous Robots 40, 2016, pages 17 to 31).
 """
 
 from __future__ import annotations
@@ -20,17 +31,40 @@ import casadi as ca
 DAMPING = 1e-8
 
 
-def null_space_projector(J: ca.MX) -> ca.MX:
-    """Compute P_null of a Jacobian whose inactive rows are zero.
+def null_space_projector(J: ca.MX, level: ca.MX) -> ca.MX:
+    """Compute P_null of a Jacobian whose rows are there, not there or in between.
+
+    The projection of one row more is Sherman and Morrison's update of the one before,
+    R - u u^T / (delta + j^T u) with u = R j.
 
     Args:
-        J: (rows, nv).
+        J: (rows, nv), zero where the level is 0.
+        level: (rows,), 0 to 1.
 
     Returns:
         (nv, nv), symmetric.
     """
-    gram = J @ J.T + DAMPING * ca.MX.eye(J.shape[0])
-    return ca.MX.eye(J.shape[1]) - J.T @ ca.solve(gram, J, "ldl")
+    rows, nv = J.shape
+    order = _falling_order(rows)(level)
+    J, level = order @ J, order @ level
+    R, P_null = ca.MX.eye(nv), ca.MX.eye(nv)
+    for i in range(rows):
+        u = R @ J[i, :].T
+        gone = u @ u.T / (DAMPING + J[i, :] @ u)
+        R = R - gone
+        P_null = P_null - level[i] * gone
+    return P_null
+
+
+def _falling_order(rows: int) -> ca.Function:
+    """Write the permutation matrix that puts levels in falling order, equal ones as they are."""
+    level = ca.SX.sym("level", rows)
+    order = ca.SX(rows, rows)
+    for i in range(rows):
+        place = ca.sum1(level > level[i]) + ca.sum1(level[:i] == level[i])
+        for row in range(rows):
+            order[row, i] = place == row
+    return ca.Function("falling_order", [level], [order])
 
 
 def posture_acceleration(P_q: ca.SX, q_ref: ca.SX, D_q: ca.SX, q: ca.SX, v: ca.SX) -> ca.SX:

@@ -18,6 +18,7 @@ from tsd_casadi.generalization.entry_regression import (
     describe_motion,
 )
 from tsd_casadi.generalization.suggestion import Region, Suggestion, suggest
+from tsd_casadi.learning.bound import Bound
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.feedforward import Feedforward
@@ -105,7 +106,7 @@ class Answers:
             except (EntryNotFound, OutsideTrainedRange) as error:
                 first = first or error
             else:
-                return self._told(predicted, entries[0].key)
+                return self._told(predicted.within(_bound(predicted, entries)), entries[0].key)
         if first is not None:
             raise first
         motion = self._declaration.motion
@@ -160,6 +161,17 @@ class Answers:
         ]
         elsewhere = f" (and {answering.others} of other contexts)" if answering.others else ""
         return describe_entries(found, answering.size) + elsewhere
+
+
+def _bound(predicted: Feedforward, entries: Sequence[Entry]) -> Bound:
+    """Bound what is generalised by what the entries that it comes from may be."""
+    used = set(predicted.provenance["entries"])
+    bounds = [
+        dict(zip(each.key.axes, each.bound.largest, strict=True))
+        for each in entries
+        if each.identifier in used
+    ]
+    return Bound.among(predicted.axes, bounds)
 
 
 def _is_of(entry: IndexedEntry, groups: Sequence[Group]) -> bool:

@@ -22,6 +22,7 @@ from tsd_casadi.learning.context import NOWHERE
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.instruction import USUAL, Instruction
+from tsd_casadi.learning.plausible import check_plausible
 from tsd_casadi.learning.recording import Recording
 
 
@@ -72,10 +73,11 @@ class Database(Reading):
 
         Raises:
             InvalidValue: If a parameter is missing or makes no sense, or the
-                recording lacks what the rule needs.
+                recording lacks what the rule needs, or cannot be what a robot did.
             IncompatibleEntry: If it does not fit the entry.
             DatabaseError: If the entry is damaged, or the file cannot be written.
         """
+        check_plausible(recording)
         with self._file.transaction("IMMEDIATE"):
             key = recording.key
             recording = complete(recording, self._declaration(key.robot, key.motion, key.version))
@@ -94,6 +96,7 @@ class Database(Reading):
             notes += entry.add(recording, instruction)
             entry.updated = _now()
             self._new_rows.add(entry, "recorded")
+        self._read_back(entry.key)
         return entry, notes
 
     def forget(self, identifier: int) -> Entry | None:
@@ -161,6 +164,17 @@ class Database(Reading):
         """
         with self._file.transaction():
             return find_damages(self._file, self._rows)
+
+    def _read_back(self, key: EntryKey) -> None:
+        """Decode what the file serves now, so that whoever asks next need not.
+
+        A robot asks for what it has just recorded. What is kept is read from the file,
+        so that nobody is ever served what is not there.
+        """
+        with self._file.transaction():
+            indexed = self._index.exact(key)
+            if indexed is not None:
+                self._rows.served(indexed)
 
     def _find(self, key: EntryKey) -> Entry | None:
         """Read the entry of a key; one of unknown context where there is no other.

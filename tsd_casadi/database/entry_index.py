@@ -19,6 +19,7 @@ _COLUMNS = (
     "sequence, updated"
 )
 _NEWEST_FIRST = "ORDER BY sequence DESC, updated DESC, entry DESC"
+_OF_ANY = "(? IS NULL OR robot = ?) AND (? IS NULL OR motion = ?)"
 _OF_GROUP = (
     "robot = ? AND motion = ? AND version = ? AND body = ? AND formulation = ? AND correction = ?"
 )
@@ -126,9 +127,40 @@ class EntryIndex:
         )
         return (row[0] for row in rows)
 
-    def count(self) -> int:
-        """Count the entries."""
-        rows = self._file.execute("SELECT coalesce(sum(entries), 0) FROM entry_count")
+    def count(self, robot: str | None = None, motion: str | None = None) -> int:
+        """Count the entries, of a robot and a motion or of all."""
+        rows = self._file.execute(
+            f"SELECT coalesce(sum(entries), 0) FROM entry_count WHERE {_OF_ANY}",
+            (robot, robot, motion, motion),
+        )
+        return int(rows[0][0])
+
+    def newest(self, robot: str | None, motion: str | None, most: int) -> list[int]:
+        """Find the numbers of the entries that were recorded last, in their order.
+
+        Args:
+            most: How many of them.
+        """
+        rows = self._file.execute(
+            f"SELECT entry FROM entry_state WHERE {_OF_ANY} {_NEWEST_FIRST} LIMIT ?",
+            (robot, robot, motion, motion, most),
+        )
+        return sorted(row[0] for row in rows)
+
+    def above(self, robot: str | None, motion: str | None, number: int, most: int) -> list[int]:
+        """Find the numbers of the entries that come after one, in their order; as above."""
+        rows = self._file.execute(
+            f"SELECT entry FROM entry_state WHERE {_OF_ANY} AND entry > ? ORDER BY entry LIMIT ?",
+            (robot, robot, motion, motion, number, most),
+        )
+        return [row[0] for row in rows]
+
+    def count_above(self, robot: str | None, motion: str | None, number: int) -> int:
+        """Count the entries that come after one."""
+        rows = self._file.execute(
+            f"SELECT count(*) FROM entry_state WHERE {_OF_ANY} AND entry > ?",
+            (robot, robot, motion, motion, number),
+        )
         return int(rows[0][0])
 
     def _find(self, condition: str, values: tuple[Any, ...]) -> list[IndexedEntry]:

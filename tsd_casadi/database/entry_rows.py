@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from tsd_casadi.database.damaged_entry import DamagedEntry
@@ -50,11 +50,21 @@ class EntryRows:
             robot: Only of this robot.
             motion: Only of this motion.
         """
-        return self._read(IterationRow, robot, motion)
+        rows = select(
+            self._file,
+            "entry",
+            f"(? IS NULL OR robot = ?) AND (? IS NULL OR motion = ?) AND {_NOT_FORGOTTEN} "
+            "ORDER BY id",
+            (robot, robot, motion, motion),
+        )
+        return self._built(rows, IterationRow)
 
-    def outlines(self, robot: str | None = None, motion: str | None = None) -> Read:
-        """Read entries without their weights; arguments as above."""
-        return self._read(IterationOutline, robot, motion)
+    def outlines(self, identifiers: Sequence[int]) -> Read:
+        """Read entries of some numbers without their weights; the rest as above."""
+        return self._built(
+            (row for each in identifiers for row in select(self._file, "entry", "id = ?", (each,))),
+            IterationOutline,
+        )
 
     def entry(self, identifier: int) -> Entry | DamagedEntry:
         """Read one entry anew, or say why it cannot be."""
@@ -88,9 +98,12 @@ class EntryRows:
                     f"an index that has it as {indexed.key.describe()}", "it as its rows say"
                 )
             served = entry.served
-            place = next(i for i, each in enumerate(entry.iterations) if each is served)
-            row = IterationRow.of_checked(iterations[place])
-            entry.iterations[place] = row.iteration(entry.key.axes, entry.basis.L)
+            # and the one that it was learned from, which says how large it may be
+            wanted = (served.number, served.learned_from)
+            for place, each in enumerate(entry.iterations):
+                if each.number in wanted:
+                    row = IterationRow.of_checked(iterations[place])
+                    entry.iterations[place] = row.iteration(entry.key.axes, entry.basis.L)
         except (ValueError, IndexError) as error:
             return self._damaged(identifier, error)
         self._kept.keep(indexed.event, entry)
@@ -113,14 +126,7 @@ class EntryRows:
         """Read the newest row of each iteration of an entry."""
         return select(self._file, "iteration", _NEWEST, (identifier,))
 
-    def _read(self, kind: type[IterationOutline], robot: str | None, motion: str | None) -> Read:
-        rows = select(
-            self._file,
-            "entry",
-            f"(? IS NULL OR robot = ?) AND (? IS NULL OR motion = ?) AND {_NOT_FORGOTTEN} "
-            "ORDER BY id",
-            (robot, robot, motion, motion),
-        )
+    def _built(self, rows: Iterable[Columns], kind: type[IterationOutline]) -> Read:
         entries, damaged = [], []
         for row in rows:
             try:

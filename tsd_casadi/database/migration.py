@@ -140,7 +140,7 @@ def _insert_iteration(
 
 
 def _error(old: dict[str, float]) -> AxisError:
-    known = {
+    known: dict[str, Any] = {
         name: float(old[before])
         for name, before in _MEASURES.items()
         if old.get(before) is not None and math.isfinite(old[before])

@@ -15,6 +15,7 @@ from tsd_casadi.database.database_state import DatabaseState
 from tsd_casadi.database.entry_index import EntryIndex
 from tsd_casadi.database.entry_rows import EntryRows
 from tsd_casadi.database.kept_entries import KeptEntries
+from tsd_casadi.database.outlines import Outlines
 from tsd_casadi.database.schema import SCHEMA_VERSION
 from tsd_casadi.exceptions import EntryNotFound, InvalidValue
 from tsd_casadi.generalization.entry_regression import EntryRegressions
@@ -26,6 +27,8 @@ from tsd_casadi.motions.declaration import Declaration
 
 # motions, robots and contexts that are asked about; a stranger may ask for any
 MOST_KNOWN = 1_000
+# what SQLite takes for a number without a bound
+ALL = 2**62
 
 
 class Reading:
@@ -95,20 +98,30 @@ class Reading:
             return self._rows.read(robot, motion)[1]
 
     def outlines(
-        self, robot: str | None = None, motion: str | None = None
-    ) -> tuple[list[Entry], list[DamagedEntry]]:
+        self,
+        robot: str | None = None,
+        motion: str | None = None,
+        *,
+        most: int = ALL,
+        after: int | None = None,
+    ) -> Outlines:
         """List entries and what cannot be read; no weights are decoded.
 
         Args:
             robot: Only of this robot.
             motion: Only of this motion.
-
-        Returns:
-            Entries whose iterations have weights of no columns, (k, 0), and
-            those whose rows are not as they were written.
+            most: Number of entries; those that were recorded last.
+            after: Those that come after this number instead, to read page by page.
         """
         with self._file.transaction():
-            return self._rows.outlines(robot, motion)
+            if after is None:
+                numbers = self._index.newest(robot, motion, most)
+                found = self._index.count(robot, motion)
+            else:
+                numbers = self._index.above(robot, motion, after, most)
+                found = self._index.count_above(robot, motion, after)
+            entries, damaged = self._rows.outlines(numbers)
+        return Outlines(entries, damaged, found - len(numbers))
 
     def version(self) -> object:
         """Give what is another whenever somebody has written to the file."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from pinocchio_casadi import SymbolicModel
+from tsd_casadi.dynamics.rotation import rotation_matrix
 from tsd_casadi.robot.robot import Robot
 
 
@@ -81,6 +82,10 @@ class SymbolicDynamics:
     def gravity_forces(self) -> ca.SX:
         """Compute the gravity forces, h at rest, (nv,) [N, N m]."""
         return self._model.bias_forces()(self.q, ca.SX.zeros(self.nv))
+
+    def base_rotation(self) -> ca.SX:
+        """Compute the rotation from the base frame to the world, (3, 3)."""
+        return rotation_matrix(self.q[3:7])
 
     def center_of_mass(self) -> PointKinematics:
         """Compute the kinematics of the centre of mass, world frame."""

@@ -40,7 +40,7 @@ def to_harmonics(basis: PeriodicBasis, weights: Matrix) -> Harmonics:
     Returns:
         c_0 ... c_N, (k, N + 1), in the weights' unit.
     """
-    return analyze(weights @ _samples(basis).T, highest_harmonic(basis))
+    return analyze(weights @ sampled_values(basis).T, highest_harmonic(basis))
 
 
 def to_weights(basis: PeriodicBasis, harmonics: Harmonics) -> Matrix:
@@ -83,5 +83,6 @@ def synthesize(harmonics: Harmonics) -> Matrix:
 
 
 @lru_cache(maxsize=8)
-def _samples(basis: PeriodicBasis) -> Matrix:
+def sampled_values(basis: PeriodicBasis) -> Matrix:
+    """Compute the basis at the sampled phases, (SAMPLES, L)."""
     return basis.values(sample_phases())

@@ -1,18 +1,15 @@
-"""Whole laps of a repetition, and which of them are steady."""
+"""Whole laps of a repetition, and what they have in common."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.scatter import Scatter, scatter_of
 from tsd_casadi.state import Matrix, Vector
-
-# two consecutive laps agree when mean and AC RMS of the feedback do, to
-RELATIVE_TOLERANCE = 0.01
-ABSOLUTE_TOLERANCE = 1e-4  # m/s^2
 
 
 @dataclass(frozen=True)
@@ -43,11 +40,14 @@ class FittedLaps:
         feedback: (k, L) [m/s^2].
         error: (k, L) [m]; None unless every lap has error and reference.
         reference: (k, L) [m]; None together with the error.
+        scatter: How far the feedback of one lap is from that of the others; None
+            for a single lap.
     """
 
     feedback: Matrix
     error: Matrix | None = None
     reference: Matrix | None = None
+    scatter: Scatter | None = None
 
 
 def join_laps(laps: Sequence[Lap]) -> Lap:
@@ -73,36 +73,8 @@ def fit_laps(laps: Sequence[Lap], basis: PeriodicBasis) -> FittedLaps:
     joined = join_laps(laps)
     known = [joined.feedback, joined.error, joined.reference]
     signals = [signal for signal in known if signal is not None]
-    return FittedLaps(*basis.fit(joined.phase, np.stack(signals)))
-
-
-def _agree(one: Lap, other: Lap) -> bool:
-    whole = one.feedback if one.feedforward is None else one.feedback + one.feedforward
-    # the mean of a motion to and fro is next to nothing, and only noise
-    for measure, scale in (
-        (np.mean, np.sqrt(np.mean(whole**2, axis=1))),
-        (np.std, np.std(whole, axis=1)),
-    ):
-        a = measure(one.feedback, axis=1)
-        b = measure(other.feedback, axis=1)
-        tolerance = np.maximum(RELATIVE_TOLERANCE * scale, ABSOLUTE_TOLERANCE)
-        if not bool(np.all(np.abs(a - b) < tolerance)):
-            return False
-    return True
-
-
-def first_steady_lap(laps: Sequence[Lap]) -> int | None:
-    """Find the first lap from which on every lap agrees with the next.
-
-    The very first one never counts: the motion begins smoothly in it.
-
-    Args:
-        laps: Whole laps in order.
-
-    Returns:
-        Its index, or None while the last two laps do not agree.
-    """
-    first = len(laps) - 1
-    while first > 1 and _agree(laps[first - 1], laps[first]):
-        first -= 1
-    return first if first < len(laps) - 1 else None
+    fitted = FittedLaps(*basis.fit(joined.phase, np.stack(signals)))
+    if len(laps) == 1:
+        return fitted
+    each = [basis.fit(lap.phase, lap.feedback) for lap in laps]
+    return replace(fitted, scatter=scatter_of(each, basis))

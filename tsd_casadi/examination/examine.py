@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from tsd_casadi.controller.controller import WholeBodyController
@@ -17,6 +17,11 @@ from tsd_casadi.examination.motion_demands import (
     torque_at_rest,
 )
 from tsd_casadi.examination.suspicious_numbers import suspicious_numbers
+from tsd_casadi.examination.torque_speed import (
+    TorqueSpeedLine,
+    torque_speed_lines,
+    unreachable_speeds,
+)
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.motions.catalogue import shipped_motions
 from tsd_casadi.motions.motion import Motion
@@ -43,10 +48,12 @@ class Examination:
     Attributes:
         findings: The worst first.
         demands: What each end of each motion's range asks for.
+        lines: What motors have left at speed, where the robot file says so.
     """
 
     findings: tuple[Finding, ...]
     demands: tuple[MotionDemands, ...]
+    lines: tuple[TorqueSpeedLine, ...] = ()
 
     @property
     def works(self) -> bool:
@@ -59,6 +66,7 @@ class Examination:
             "works": self.works,
             "findings": [finding.plain() for finding in self.findings],
             "motions": [_plain(demands) for demands in self.demands],
+            "torque_speed": [asdict(line) for line in self.lines],
         }
 
 
@@ -76,7 +84,12 @@ def examine(
         robot.source_path, "urdf" if robot.description.mjcf is None else "mjcf"
     )
     overridden = {f"link {name}" for name in robot.description.links}
-    findings = [*suspicious_numbers(robot), *misplaced_soles(robot)]
+    lines = torque_speed_lines(robot)
+    findings = [
+        *suspicious_numbers(robot),
+        *misplaced_soles(robot),
+        *unreachable_speeds(lines),
+    ]
     findings += [
         finding
         for finding in impossible_links(description, robot.path.name)
@@ -91,7 +104,7 @@ def examine(
         progress(index + 1, len(motions))
     order = ("error", "warning", "note")
     findings.sort(key=lambda finding: order.index(finding.severity))
-    return Examination(tuple(findings), tuple(demands))
+    return Examination(tuple(findings), tuple(demands), lines)
 
 
 def _ends(robot: Robot) -> Iterator[Motion]:

@@ -15,7 +15,7 @@ from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.references import References
 from tsd_casadi.robot.reaching import reach
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file_sections import ComTaskFile
+from tsd_casadi.robot.robot_file_tasks import ComTaskFile, gain_matrix
 from tsd_casadi.robot.support_polygon import margin, support_polygon
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.format import Status
@@ -127,11 +127,14 @@ def torque_at_rest(robot: Robot, controller: WholeBodyController) -> Demand:
 
 def _sag(robot: Robot) -> dict[str, float]:
     """By how much a wrong model moves the centre of mass up or down, E g / P, by axis [m]."""
-    return {
-        f"{task.name}.z": MODEL_ERROR * GRAVITY / task.P
-        for task in robot.description.tasks
-        if isinstance(task, ComTaskFile) and "z" in task.axes and task.P > 0
-    }
+    sags = {}
+    for task in robot.description.tasks:
+        if isinstance(task, ComTaskFile) and "z" in task.axes:
+            z = task.axes.index("z")
+            P = gain_matrix(task.P, len(task.axes))[z, z]
+            if P > 0:
+                sags[f"{task.name}.z"] = MODEL_ERROR * GRAVITY / float(P)
+    return sags
 
 
 def _margin(robot: Robot, posture: State) -> Demand:
@@ -152,7 +155,8 @@ class _Loads:
         self.pressure = math.inf
 
     def add(self, q: Vector, tick: Tick) -> None:
-        shares = np.abs(tick.tau) / self._robot.torque_limit
+        robot = self._robot
+        shares = np.abs(tick.tau) / np.minimum(robot.torque_limit, robot.stall_torque)
         index = int(np.argmax(shares))
         if shares[index] > self.torque.value:
             self.torque = Demand(float(shares[index]), self._robot.joint_names[index])

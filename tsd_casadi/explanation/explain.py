@@ -8,7 +8,9 @@ from tsd_casadi.explanation.conflict import Conflict, find_conflict
 from tsd_casadi.explanation.explanation import ConflictingRow, Explanation, LimitCost
 from tsd_casadi.explanation.reduced_rows import ReducedRows, reduce_rows
 from tsd_casadi.explanation.task_costs import TaskCosts, find_task_costs
-from tsd_casadi.formulation.inverse_dynamics import InverseDynamics, QuadraticProgram
+from tsd_casadi.formulation.dependent_rows import add_partly_held
+from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
+from tsd_casadi.formulation.quadratic_program import QuadraticProgram
 from tsd_casadi.state import Matrix, Vector
 
 
@@ -24,9 +26,6 @@ def explain(problem: InverseDynamics, request: Vector) -> Explanation:
     """
     program = problem.evaluate(request)
     reduced = reduce_rows(program, problem.nv, problem.n_equalities)
-    if len(reduced.contradicting):
-        names = tuple(problem.row_names[row] for row in reduced.contradicting)
-        return Explanation(False, contradicting=names, dependent=reduced.dependent)
     conflict = find_conflict(reduced)
     if conflict is not None:
         # limits of joint positions and velocities yield before anything is infeasible
@@ -37,14 +36,14 @@ def explain(problem: InverseDynamics, request: Vector) -> Explanation:
     bounds = _bounds(problem, request, program, reduced)
     if conflict is not None:
         rows = _conflicting_rows(problem, reduced, bounds, conflict)
-        return Explanation(False, dependent=reduced.dependent, conflict=rows)
+        return Explanation(False, dependent=reduced.held.dependent, conflict=rows)
     J, wanted = _tasks(problem, request)
-    costs = find_task_costs(program, reduced, J, wanted)
+    costs = find_task_costs(add_partly_held(program, reduced.held), reduced, J, wanted)
     # no conflict was found above
     assert costs is not None
     return Explanation(
         True,
-        dependent=reduced.dependent,
+        dependent=reduced.held.dependent,
         limits=_limit_costs(problem, reduced, bounds, costs),
         otherwise=_by_axis(problem, costs.otherwise),
     )
@@ -74,15 +73,8 @@ def _tasks(problem: InverseDynamics, request: Vector) -> tuple[Matrix, Vector]:
     dependent one, nothing is known and the smallest number is taken.
     """
     values = dict(zip(problem.terms.name_out(), problem.terms(request), strict=True))
-    k = sum(task.k for task in problem.tasks)
-    J = np.array(values["J"])[:k]
-    W = np.zeros((k, k))
-    first = 0
-    for task in problem.tasks:
-        rows, columns = np.tril_indices(task.k)
-        packed = request[problem.request.slice(f"{task.name}.W")]
-        W[first + rows, first + columns] = W[first + columns, first + rows] = packed
-        first += task.k
+    W = np.array(problem.task_weight(request))
+    J = np.array(values["J"])[: len(W)]
     gradient = np.array(values["g"])[: problem.nv, 0]
     wanted = np.linalg.lstsq(J.T @ W, -gradient, rcond=None)[0]
     return J, np.asarray(wanted, dtype=float)

@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from tsd_casadi.explanation.conflict_sentence import tell_conflict
 from tsd_casadi.explanation.row_words import describe_row
-
-# rows in a sentence; more are counted
-FEW = 4
 
 
 @dataclass(frozen=True)
@@ -64,10 +62,8 @@ class Explanation:
 
     Attributes:
         feasible: Whether dynamics, contacts and limits can hold together.
-        contradicting: Names of equalities that contradict each other by themselves;
-            then nothing is said about limits.
-        dependent: How many equalities follow from others; the compiled tick calls that
-            infeasible too.
+        dependent: How many of the contacts' rows follow from others and are not held, or
+            in part.
         conflict: Where limits contradict each other: an irreducible set, limits of
             accelerations last.
         limits: Where they do not: the active ones, the costliest first.
@@ -76,7 +72,6 @@ class Explanation:
     """
 
     feasible: bool
-    contradicting: tuple[str, ...] = ()
     dependent: int = 0
     conflict: tuple[ConflictingRow, ...] = ()
     limits: tuple[LimitCost, ...] = ()
@@ -84,31 +79,16 @@ class Explanation:
 
     def sentence(self) -> str:
         """Say it in one sentence, for a message."""
-        if self.contradicting:
-            return f"these equalities contradict each other: {', '.join(self.contradicting)}"
         if self.conflict:
-            main = [row for row in self.conflict if not row.name.startswith("joint_acceleration")]
-            shown = (main or list(self.conflict))[:FEW]
-            others = len(self.conflict) - len(shown)
-            rest = f" and {others} other rows" if others else ""
-            listed = ", ".join(_tell(row) for row in shown)
-            return f"these limits cannot hold together: {listed}{rest}"
-        if self.dependent:
-            return f"{self.dependent} of the equalities follow from others: contacts are redundant"
+            return tell_conflict({row.name: row.alone for row in self.conflict})
         return "all limits can hold together"
 
     def plain(self) -> dict[str, Any]:
         """Write it as plain data for JSON."""
         return {
             "feasible": self.feasible,
-            "contradicting": list(self.contradicting),
             "dependent": self.dependent,
             "conflict": [row.plain() for row in self.conflict],
             "limits": [limit.plain() for limit in self.limits],
             "otherwise": self.otherwise,
         }
-
-
-def _tell(row: ConflictingRow) -> str:
-    words = describe_row(row.name)
-    return f"{row.name} (short of {row.alone:.3g} {words.unit} by itself)"

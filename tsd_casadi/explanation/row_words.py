@@ -14,7 +14,7 @@ OF_CONTACTS = {
     "center_of_pressure": ("centre of pressure inside the sole's edge", "N m"),
     "friction": ("friction towards", "N"),
     "normal_torque": ("torsional friction about", "N m"),
-    "unilateral_force": ("least normal force", "N"),
+    "unilateral_force": ("normal force", "N"),
 }
 # what an equality keeps
 OF_EQUALITIES = {"acceleration": "no acceleration along"}

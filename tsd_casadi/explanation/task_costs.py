@@ -18,7 +18,7 @@ from scipy.linalg import cholesky, solve_triangular
 
 from tsd_casadi.explanation.least_distance import find_nearest_point
 from tsd_casadi.explanation.reduced_rows import Indices, ReducedRows
-from tsd_casadi.formulation.inverse_dynamics import QuadraticProgram
+from tsd_casadi.formulation.quadratic_program import QuadraticProgram
 from tsd_casadi.state import Matrix, Vector
 
 

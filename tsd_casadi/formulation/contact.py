@@ -18,6 +18,11 @@ from tsd_casadi.tick.layout import Field
 
 Read = Callable[[str], ca.SX]
 
+# Of the robot's weight, what a foot may carry by default. One foot carries all of it while
+# the other is lifted, and accelerations add to it. While a contact fades this much is taken
+# from it over the ramp: more makes the ramp steeper at its end.
+MAXIMUM_LOAD = 2.0
+
 # a contact's share of the reply, [force; moment] whatever its kind
 WRENCH = len(BASE_AXES)
 
@@ -72,9 +77,11 @@ class Contact(abc.ABC):
                 f"{name}.active",
                 1,
                 "1",
-                f"1: in contact, 0: free, its {self.carried} is zero",
+                f"1: in contact, 0: free, its {self.carried} is zero; in between it stands and "
+                "may carry a share",
+                lower=0.0,
+                upper=1.0,
                 default=(1.0,),
-                switch=True,
             ),
             Field(
                 f"{name}.friction",
@@ -89,15 +96,23 @@ class Contact(abc.ABC):
                 f"{name}.minimum_force",
                 1,
                 "N",
-                "least normal force while in contact",
+                "least normal force with active = 1",
                 lower=0.0,
                 default=(self._minimum_force,),
+            ),
+            Field(
+                f"{name}.maximum_force",
+                1,
+                "N",
+                "largest normal force with active = 1",
+                lower=0.0,
+                default=(MAXIMUM_LOAD * robot.weight,),
             ),
             Field(
                 f"{name}.lambda_des",
                 self.size,
                 self.unit,
-                f"wanted {self.components}, {self.axes}",
+                f"wanted {self.components} while all contacts have active = 1, {self.axes}",
                 default=wanted[: self.size],
             ),
             Field(
@@ -119,7 +134,14 @@ class Contact(abc.ABC):
         """
         return [
             friction(self.name, read("friction"), nv, selection),
-            unilateral_force(self.name, read("minimum_force"), read("active"), nv, selection),
+            unilateral_force(
+                self.name,
+                read("minimum_force"),
+                read("maximum_force"),
+                read("active"),
+                nv,
+                selection,
+            ),
         ]
 
     def _shape_fields(self) -> tuple[Field, ...]:

@@ -18,7 +18,9 @@ from the functions here.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -29,7 +31,12 @@ from tsd_casadi.constraints.joint_position import position_bounds
 from tsd_casadi.constraints.joint_torque import joint_torque
 from tsd_casadi.constraints.joint_velocity import velocity_bounds
 from tsd_casadi.constraints.rows import AccelerationBounds, Rows, stack_rows
-from tsd_casadi.costs.force_regularization import force_cost
+from tsd_casadi.constraints.torque_speed import TorqueBounds, torque_bounds
+from tsd_casadi.costs.force_regularization import (
+    fading_weight,
+    force_cost,
+    share_wanted_forces,
+)
 from tsd_casadi.costs.null_space_posture import (
     null_space_projector,
     posture_acceleration,
@@ -40,33 +47,17 @@ from tsd_casadi.dynamics.symbolic_dynamics import SymbolicDynamics
 from tsd_casadi.dynamics.unactuated_dynamics import unactuated_dynamics
 from tsd_casadi.formulation.contact import Contact
 from tsd_casadi.formulation.make_contacts import make_contacts
+from tsd_casadi.formulation.make_force_tasks import make_force_tasks
+from tsd_casadi.formulation.quadratic_program import QuadraticProgram
 from tsd_casadi.formulation.safe_torque import safe_torque
 from tsd_casadi.formulation.tick_layouts import request_layout, tick_format
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.state import Matrix, Vector
-from tsd_casadi.tasks.desired_acceleration import desired_acceleration, feedback_acceleration
+from tsd_casadi.state import Vector
+from tsd_casadi.tasks.contact_force_task import ContactForceTask
+from tsd_casadi.tasks.desired_acceleration import desired_acceleration
 from tsd_casadi.tasks.make_tasks import make_tasks
-from tsd_casadi.tasks.task import Task, symmetric_matrix
+from tsd_casadi.tasks.task import Task
 from tsd_casadi.tick.layout import Layout
-
-
-@dataclass(frozen=True)
-class QuadraticProgram:
-    """Minimise x^T H x / 2 + g^T x subject to lower <= (x_1..nv, A x) <= upper.
-
-    Attributes:
-        H: (nx, nx), positive definite.
-        g: (nx,).
-        A: (rows - nv, nx); the first nv rows are simple bounds and not in A.
-        lower: (rows,).
-        upper: (rows,).
-    """
-
-    H: Matrix
-    g: Vector
-    A: Matrix
-    lower: Vector
-    upper: Vector
 
 
 @dataclass(frozen=True)
@@ -75,6 +66,9 @@ class _ContactTerms:
 
     J: ca.SX
     J_active: ca.SX
+    J_loaded: ca.SX
+    level: ca.SX
+    selections: dict[str, ca.SX]
     equalities: list[Rows]
     inequalities: list[Rows]
     W_lambda: ca.SX
@@ -87,7 +81,8 @@ class _TaskCosts:
 
     H: ca.SX
     g: ca.SX
-    J_active: list[ca.SX]
+    J_active: ca.SX
+    level: ca.SX
     error: ca.SX
     feedback: ca.SX
 
@@ -99,6 +94,7 @@ class InverseDynamics:
         robot: The robot.
         tasks: The Cartesian tasks, in the order of error and feedback.
         contacts: The contacts, in the order of lambda and the wrenches.
+        forces: The tasks of contact forces.
         n: Number of actuated joints.
         nv: Size of v and of qdd.
         nx: Number of variables, nv and the forces of all contacts.
@@ -108,7 +104,7 @@ class InverseDynamics:
         n_equalities: Number of equality rows, right after the bounds.
         terms: Function request -> everything but the posture's share of the
             cost: H_qdd, H_lambda (a diagonal), g, A, lower, upper, h_a, error,
-            feedback, J, W_q, qdd_des of the posture, and what velocity and
+            feedback, J, level, W_q, qdd_des of the posture, and what velocity and
             position ask of the joints' accelerations.
         qp: Function request -> H, g, A, lower, upper, h_a, error, feedback and
             the bounds by velocity and position: the definition of the QP.
@@ -123,7 +119,8 @@ class InverseDynamics:
         self.contacts: list[Contact] = make_contacts(robot)
         self.nx = robot.nv + sum(contact.size for contact in self.contacts)
         self.tasks: list[Task] = make_tasks(robot)
-        self.request: Layout = request_layout(robot, self.tasks, self.contacts)
+        self.forces: list[ContactForceTask] = make_force_tasks(robot, self.contacts)
+        self.request: Layout = request_layout(robot, self.tasks, self.contacts, self.forces)
         self._request = ca.SX.sym("request", self.request.size)
         self._dynamics = SymbolicDynamics(robot, self._read("q"), self._read("v"))
         self.terms, self.safe_torque = self._build()
@@ -154,6 +151,10 @@ class InverseDynamics:
         H, g, A, lower, upper = (np.array(part) for part in self.qp(request)[:5])
         return QuadraticProgram(H, g[:, 0], A, lower[:, 0], upper[:, 0])
 
+    def _read_of(self, part: str) -> Callable[[str], ca.SX]:
+        """Give the fields of one task or contact by name."""
+        return lambda name: self._read(f"{part}.{name}")
+
     def _read(self, name: str) -> ca.SX:
         return self._request[self.request.slice(name)]
 
@@ -169,7 +170,8 @@ class InverseDynamics:
         velocity, position = self._velocity_bounds(braking), self._position_bounds(braking)
         bounds = joint_acceleration(joints, limit, [velocity, position], self.nx)
         equalities = stack_rows([unactuated_dynamics(M, h, contacts.J), *contacts.equalities])
-        torques = joint_torque(joints, A_tau, h_a, self._read("limits.torque"))
+        allowed = self._torque_bounds()
+        torques = joint_torque(joints, A_tau, h_a, allowed)
         rows = stack_rows([equalities, *contacts.inequalities, torques])
         self.row_names: tuple[str, ...] = (*bounds.names, *rows.names)
         self.n_equalities = len(equalities.names)
@@ -181,7 +183,7 @@ class InverseDynamics:
             self._dynamics.q,
             self._dynamics.v,
         )
-        H_lambda, g_lambda = force_cost(contacts.W_lambda, contacts.lambda_des)
+        H_lambda, g_lambda = self._force_costs(contacts)
         terms = self._function(
             "terms",
             {
@@ -195,7 +197,8 @@ class InverseDynamics:
                 "h_a": h_a,
                 "error": tasks.error,
                 "feedback": tasks.feedback,
-                "J": ca.vertcat(*tasks.J_active, contacts.J_active),
+                "J": ca.vertcat(tasks.J_active, contacts.J_active),
+                "level": ca.vertcat(tasks.level, contacts.level),
                 "W_q": self._read("posture.W"),
                 "qdd_des": qdd_des,
                 "velocity_lower": velocity.lower,
@@ -206,12 +209,20 @@ class InverseDynamics:
         )
         safe = safe_torque(
             self._dynamics.gravity_forces(),
-            contacts.J_active,
+            contacts.J_loaded,
             self._dynamics.v,
             self._read("safe_torque.D"),
-            self._read("limits.torque"),
+            allowed,
         )
         return terms, self._function("safe_torque", {"tau": safe})
+
+    def _torque_bounds(self) -> TorqueBounds:
+        return torque_bounds(
+            self._dynamics.v[6:],
+            self._read("limits.torque"),
+            self._read("limits.stall_torque"),
+            self._read("limits.no_load_speed"),
+        )
 
     def _velocity_bounds(self, braking: ca.SX) -> AccelerationBounds:
         return velocity_bounds(
@@ -234,8 +245,9 @@ class InverseDynamics:
         )
 
     def _contact_terms(self) -> _ContactTerms:
-        J_all, J_active, equalities, inequalities = [], [], [], []
-        forces = ca.SX.eye(self.nx - self.nv)
+        J_all, J_active, J_loaded, level = [], [], [], []
+        equalities, inequalities = [], []
+        selections, forces = {}, ca.SX.eye(self.nx - self.nv)
         first = 0
         for contact in self.contacts:
 
@@ -244,44 +256,79 @@ class InverseDynamics:
 
             selection = forces[first : first + contact.size, :]
             first += contact.size
+            selections[contact.name] = selection
             active = read("active")
             J, drift = contact.kinematics(self._dynamics)
             J_all.append(J)
-            J_active.append(active * J)
-            equalities.append(contact_acceleration(contact.name, J, drift, active, selection))
+            standing = active > 0
+            J_active.append(standing * J)
+            J_loaded.append(ca.sqrt(active) * J)
+            level.append(ca.repmat(active, contact.size, 1))
+            equalities.append(contact_acceleration(contact.name, J, drift, standing, selection))
             inequalities += contact.cone(read, self.nv, selection)
-        names = [contact.name for contact in self.contacts]
+
+        def read_all(name: str) -> list[ca.SX]:
+            return [self._read(f"{contact.name}.{name}") for contact in self.contacts]
+
+        shares = read_all("active")
+        W_lambda = map(fading_weight, read_all("W_lambda"), shares)
         return _ContactTerms(
             J=ca.vertcat(*J_all),
             J_active=ca.vertcat(*J_active),
+            J_loaded=ca.vertcat(*J_loaded),
+            level=ca.vertcat(*level),
+            selections=selections,
             equalities=equalities,
             inequalities=inequalities,
-            W_lambda=ca.vertcat(*[self._read(f"{name}.W_lambda") for name in names]),
-            lambda_des=ca.vertcat(*[self._read(f"{name}.lambda_des") for name in names]),
+            W_lambda=ca.vertcat(*W_lambda),
+            lambda_des=ca.vertcat(*share_wanted_forces(shares, read_all("lambda_des"))),
         )
 
     def _task_costs(self) -> _TaskCosts:
         H = self._read("regularization.acceleration") * ca.SX.eye(self.nv)
         g = ca.SX.zeros(self.nv)
-        J_active, errors, feedbacks = [], [], []
+        J_active, levels, errors, feedbacks = [], [], [], []
+        rest = self._rest_weight()
         for task in self.tasks:
-
-            def read(name: str, prefix: str = task.name) -> ca.SX:
-                return self._read(f"{prefix}.{name}")
-
+            read = self._read_of(task.name)
             terms = task.terms(self._dynamics, read)
-            feedback = feedback_acceleration(read("P"), terms.error, read("D"), terms.error_rate)
+            feedback = task.feedback(terms, read)
             xdd_des = desired_acceleration(
                 read("reference_acceleration"), read("feedforward"), feedback
             )
-            active = read("active")
-            weighted = active * terms.J.T @ symmetric_matrix(read("W"), task.k)
+            level = task.levels(read)
+            weighted = terms.J.T @ task.weight(read, rest)
             H += weighted @ terms.J
             g -= weighted @ (xdd_des - terms.drift)
-            J_active.append(active * terms.J)
+            J_active.append((level > 0) * terms.J)
+            levels.append(level)
             errors.append(terms.error)
             feedbacks.append(feedback)
-        return _TaskCosts(H, g, J_active, ca.vertcat(*errors), ca.vertcat(*feedbacks))
+        return _TaskCosts(
+            H, g, *(ca.vertcat(*each) for each in (J_active, levels, errors, feedbacks))
+        )
+
+    def _force_costs(self, contacts: _ContactTerms) -> tuple[ca.SX, ca.SX]:
+        H, g = force_cost(contacts.W_lambda, contacts.lambda_des)
+        for force in self.forces:
+            selection = contacts.selections[force.contact]
+            there = self._read(f"{force.contact}.active")
+            terms = force.terms(self._read_of(force.name), selection, contacts.W_lambda, there)
+            H, g = H + terms.H, g + terms.g
+        return H, g
+
+    def _rest_weight(self) -> ca.SX:
+        """Write the weight of what takes over from a task: posture and regularisation."""
+        posture = ca.sum1(self._read("posture.W")) / self.nv
+        return posture + self._read("regularization.acceleration")
+
+    @cached_property
+    def task_weight(self) -> ca.Function:
+        """Function request -> W_s, the tasks' weights as their levels leave them, (k, k)."""
+        weights = [
+            task.weight(self._read_of(task.name), self._rest_weight()) for task in self.tasks
+        ]
+        return self._function("task_weight", {"W": ca.diagcat(*weights)})
 
     def _function(self, name: str, outputs: dict[str, ca.SX]) -> ca.Function:
         dense = [ca.densify(value) for value in outputs.values()]
@@ -296,7 +343,7 @@ class InverseDynamics:
         request = ca.MX.sym("request", self.request.size)
         names = [self.terms.name_out(i) for i in range(self.terms.n_out())]
         values = dict(zip(names, self.terms.call([request]), strict=True))
-        P_null = null_space_projector(values.pop("J"))
+        P_null = null_space_projector(values.pop("J"), values.pop("level"))
         H, g = posture_cost(P_null, values.pop("W_q"), values.pop("qdd_des"))
         H_qdd, H_lambda = values.pop("H_qdd"), values.pop("H_lambda")
         outputs = {"H": ca.diagcat(H_qdd + H, ca.diag(H_lambda)), **values}

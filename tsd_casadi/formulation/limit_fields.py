@@ -13,6 +13,8 @@ PERIOD = 1e-3
 SHORTEST_PERIOD, LONGEST_PERIOD = 1e-5, 0.1
 # without braking nothing could move that is bounded by its position [rad/s^2]
 LEAST_BRAKING = 1e-3
+# slower than any motor, faster than nothing: speeds are divided by it [rad/s]
+LEAST_SPEED = 1e-3
 
 
 def limit_fields(robot: Robot) -> tuple[Field, ...]:
@@ -30,6 +32,23 @@ def limit_fields(robot: Robot) -> tuple[Field, ...]:
             "bound of |tau|",
             lower=0.0,
             default=tuple(robot.torque_limit),
+        ),
+        Field(
+            "limits.stall_torque",
+            n,
+            "N m",
+            "torque of a motor's line of torque over speed at rest; 1e9 where it is unknown",
+            lower=0.0,
+            default=_known(robot.stall_torque),
+        ),
+        Field(
+            "limits.no_load_speed",
+            n,
+            "rad/s",
+            "speed at which that line is at zero: from there on no torque drives the joint; 1e9 "
+            "where it is unknown",
+            lower=LEAST_SPEED,
+            default=_known(robot.no_load_speed),
         ),
         Field(
             "limits.acceleration",

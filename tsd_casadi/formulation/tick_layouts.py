@@ -7,9 +7,21 @@ from collections.abc import Sequence
 from tsd_casadi.formulation.contact import WRENCH, Contact
 from tsd_casadi.formulation.limit_fields import limit_fields
 from tsd_casadi.robot.robot import Robot
+from tsd_casadi.tasks.contact_force_task import ContactForceTask
 from tsd_casadi.tasks.task import Task
 from tsd_casadi.tick.format import TickFormat
 from tsd_casadi.tick.layout import Field, Layout
+
+EXPLAIN = Field(
+    "explain",
+    1,
+    "1",
+    "whether a tick without a solution says in conflict which limits cannot hold together",
+    lower=0.0,
+    upper=1.0,
+    default=(0.0,),
+    switch=True,
+)
 
 
 def tick_format(
@@ -31,7 +43,12 @@ def tick_format(
     )
 
 
-def request_layout(robot: Robot, tasks: Sequence[Task], contacts: Sequence[Contact]) -> Layout:
+def request_layout(
+    robot: Robot,
+    tasks: Sequence[Task],
+    contacts: Sequence[Contact],
+    forces: Sequence[ContactForceTask] = (),
+) -> Layout:
     """Lay out state and command.
 
     Everything a user may change between two ticks is in here, so that the
@@ -59,8 +76,9 @@ def request_layout(robot: Robot, tasks: Sequence[Task], contacts: Sequence[Conta
     )
     task_fields = [field for task in tasks for field in task.fields(robot)]
     contact_fields = [field for contact in contacts for field in contact.fields(robot)]
-    fields = (*state, *task_fields, *contact_fields, *_joint_fields(robot), *limit_fields(robot))
-    return Layout(fields)
+    force_fields = [field for force in forces for field in force.fields()]
+    joint_fields = (*_joint_fields(robot), *limit_fields(robot))
+    return Layout((*state, *task_fields, *contact_fields, *force_fields, *joint_fields, EXPLAIN))
 
 
 def _joint_fields(robot: Robot) -> tuple[Field, ...]:
@@ -108,7 +126,7 @@ def reply_layout(
 
     Returns:
         Status and times, torque, acceleration, wrenches, task errors and
-        feedback, active rows.
+        feedback, active rows and those that contradict each other.
     """
     k = sum(task.k for task in tasks)
     axes = " ".join(f"{task.name}.{axis}" for task in tasks for axis in task.axes)
@@ -127,18 +145,34 @@ def reply_layout(
                 "N, N m",
                 f"[force; moment] in {_wrench_axes(contacts)}; zero on failure",
             ),
-            Field("error", k, "m, rad", f"x_ref - x along {axes}, world axes"),
+            Field("error", k, _error_unit(tasks), f"x_ref - x along {axes}, world axes"),
             Field("feedback", k, "m/s^2, rad/s^2", f"P e + D de/dt along {axes}, world axes"),
             Field(
                 "active",
                 len(row_names),
                 "1",
-                "per row: 0 inside, 2 equality, otherwise negative at its lower bound and "
+                "per row: 0 inside, 2 equality, 9 one that follows from others or nearly so, "
+                "otherwise negative at its lower bound and "
                 "positive at its upper: 1 its own; of a joint's acceleration also 4 that by its "
-                "position, 5 by its velocity, 3 where one of these two yielded",
+                "position, 5 by its velocity, 3 where one of these two yielded, 7 past its "
+                "position's limit and coming back faster than it has to, 8 past its velocity's; "
+                "of a joint's torque also 6 what its motor has left at its speed",
+            ),
+            Field(
+                "conflict",
+                len(row_names),
+                "m/s^2, rad/s^2, N, N m",
+                "if explain was asked for and the tick is infeasible: by how much each row of a "
+                "set that cannot hold together would have to give way alone, negative at its "
+                "lower bound; without any one of them the others can hold. Else 0",
             ),
         )
     )
+
+
+def _error_unit(tasks: Sequence[Task]) -> str:
+    others = [task.error_unit for task in tasks if task.error_unit not in ("m", "rad", "m, rad")]
+    return ", ".join(("m", "rad", *dict.fromkeys(others)))
 
 
 def _wrench_axes(contacts: Sequence[Contact]) -> str:

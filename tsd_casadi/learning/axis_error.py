@@ -18,6 +18,10 @@ class AxisError:
         ac_rms: RMS error without its mean; None if unknown.
         mean_abs_feedback: Mean absolute feedback [m/s^2, rad/s^2]; None if unknown.
         true_rms: RMS error of the plant itself; None where nobody knows it.
+        laps: How many laps it was measured in; None if unknown.
+        deviation: Standard deviation of the RMS error of a single lap; None if unknown.
+        scatter: Standard deviation of the feedback from lap to lap, RMS over the
+            phase [m/s^2, rad/s^2]; None if unknown. It is what does not repeat.
     """
 
     rms: float
@@ -25,6 +29,9 @@ class AxisError:
     ac_rms: float | None = None
     mean_abs_feedback: float | None = None
     true_rms: float | None = None
+    laps: int | None = None
+    deviation: float | None = None
+    scatter: float | None = None
 
     def plain(self) -> dict[str, float]:
         """Give plain data, without what is unknown."""

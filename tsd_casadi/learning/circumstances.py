@@ -16,8 +16,11 @@ class Circumstances:
         setting: What else a record should say: simulated hardware, seed, period,
             plain data. Another hardware setting is another robot to the errors.
         version: Version of this software.
+        allowed: Largest acceleration along each axis that the torque limits allow at
+            the motion, (k,) [m/s^2, rad/s^2]; empty if nobody said.
     """
 
     gains: dict[str, list[float]]
     setting: dict[str, Any] = field(default_factory=dict)
     version: str = ""
+    allowed: list[float] = field(default_factory=list)

@@ -1,6 +1,6 @@
 r"""What learning leaves of an error from one repetition to the next, by harmonic.
 
-Predicted: with the share g of the change that is made, at most
+Predicted of a linear loop: with the share g of the change that is made, at most
 :math:`1 - g + g \rho_n`, since :math:`|1 - g L T| \le (1 - g) + g |1 - L T|`
 for every response that the data allow (``learning_filter``). Observed:
 :math:`|C e_{i+1}| / |C e_i|`, n-th harmonic, i + 1 learned from i.
@@ -26,8 +26,9 @@ class Contraction:
         axis: Name 'task.axis'.
         frequency: Of each harmonic [Hz].
         plain: |1 - T|, what the plain sum would leave by the estimated response.
-        predicted: The most that the stable rule leaves in its next iteration;
-            None above the bandwidth, where it learns nothing.
+        predicted: The most that the stable rule would leave in its next iteration if
+            the loop were linear, each harmonic alone; friction leaves more. None
+            above the bandwidth, where nothing is learned.
         observed: What was left the last time that it could be told; None if it
             never could. It is that of the rules that were in use.
         lead: l [s].

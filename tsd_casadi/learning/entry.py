@@ -2,28 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from tsd_casadi.encoding.laps import fit_laps
+from tsd_casadi.encoding.laps import FittedLaps, fit_laps
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import IncompatibleEntry
 from tsd_casadi.learning.axis_error import plain_errors, unit_of_axis
+from tsd_casadi.learning.bound import Bound
 from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.entry_key import EntryKey
+from tsd_casadi.learning.epochs import (
+    about_change,
+    newest_epoch,
+    recall,
+    shows_change,
+    since_change,
+)
 from tsd_casadi.learning.feedback_loop import find_loop
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.instruction import USUAL, Instruction
 from tsd_casadi.learning.iteration import Iteration
 from tsd_casadi.learning.iterative_learning import design_filters
 from tsd_casadi.learning.learning_filter import LearningFilter
+from tsd_casadi.learning.measured_errors import with_scatter
 from tsd_casadi.learning.observed_contraction import last_observed, observe_contractions
 from tsd_casadi.learning.recording import Recording
+from tsd_casadi.learning.robot_change import Observation
 from tsd_casadi.learning.rules.guarded import Guarded
 from tsd_casadi.learning.rules.rule import Rule
+from tsd_casadi.learning.trusted_share import trusted_share
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.state import Matrix
 
@@ -62,15 +73,22 @@ class Entry:
     def best(self) -> Iteration:
         """The tested iteration with the smallest error at the newest gains.
 
-        Errors at other gains say nothing about the weights.
+        Errors at other gains, or of the robot before it changed, say nothing about
+        the weights.
         """
-        comparable = [item for item in self.iterations if item.gains == self.circumstances.gains]
-        return min(comparable or self.iterations, key=lambda iteration: iteration.error)
+        current = since_change(self.iterations)
+        comparable = [item for item in current if item.gains == self.circumstances.gains]
+        return min(comparable or current, key=lambda iteration: iteration.error)
+
+    @property
+    def epoch(self) -> int:
+        """How often the robot has changed since the first recording."""
+        return newest_epoch(self.iterations)
 
     @property
     def served(self) -> Iteration:
         """The iteration that a query is answered with."""
-        return self.rule.served(self.iterations[-1], self.best)
+        return self.rule.served(since_change(self.iterations)[-1], self.best)
 
     def feedforward(self) -> Feedforward:
         """Answer a query with what is served."""
@@ -91,12 +109,26 @@ class Entry:
             axes=self.key.axes,
             basis=self.basis,
             weights=served.weights.copy(),  # the entry may be kept
-            standard_deviations=np.zeros_like(served.weights),
+            standard_deviations=np.zeros_like(served.weights)
+            if served.uncertainty is None
+            else served.uncertainty.copy(),
             kind="learned",
             parameters=dict(self.key.parameters),
             provenance=provenance,
             declaration=self.declaration,
-        )
+        ).within(self.bound)
+
+    def parent(self, iteration: Iteration) -> Iteration | None:
+        """Find the iteration that another was learned from."""
+        return next((i for i in self.iterations if i.number == iteration.learned_from), None)
+
+    @property
+    def bound(self) -> Bound:
+        """How large what is served may be, by the repetitions that it comes from or used it."""
+        served = self.served
+        parent = self.parent(served)
+        recorded = [served] if parent is None else [served, parent]
+        return Bound.of(self.key.axes, self.basis, recorded, self.circumstances.allowed)
 
     def add(self, recording: Recording, instruction: Instruction = USUAL) -> list[str]:
         """Take in one repetition: note its errors, then learn from it.
@@ -117,9 +149,16 @@ class Entry:
         self.circumstances = recording.circumstances
         self.declaration = recording.declaration or self.declaration
         self.rule = instruction.rule
-        used = self._find(recording.applied)
+        fitted = fit_laps(recording.laps, self.basis)
+        seen = Observation(self.key.axes, self.basis, recording.applied, fitted)
+        used, recalled = self._find(recording.applied), None
+        if shows_change(self.iterations, used, seen, self.circumstances.gains):
+            used = self._begin_epoch(used)
+            if self.rule.compares:
+                recalled = recall(self.iterations, seen, self.circumstances.gains)
+            notes.append(about_change(used, recalled))
         is_first_test = used.errors is None
-        feedback = self._note(used, recording)
+        self._note(used, recording, fitted)
         best = self.best
         goes_on = self.rule.goes_on_from(used, best)
         if is_first_test:
@@ -131,11 +170,9 @@ class Entry:
                 f"serving {best.number} again, learning gain now {self.learning_gain:g}"
             )
         elif instruction.update:
-            weights = self.rule.next_weights(
-                self.key, self.basis, self._tests(used), feedback, self.learning_gain
+            self.iterations.append(
+                self._learn(used, fitted) if recalled is None else self._copy(recalled)
             )
-            number = self.iterations[-1].number + 1
-            self.iterations.append(Iteration(number, weights, learned_from=used.number))
         return notes
 
     def filters(self) -> tuple[LearningFilter, ...]:
@@ -144,7 +181,9 @@ class Entry:
         Empty while no iteration was tested with known position errors, or if
         nobody said at which frequency, P and D.
         """
-        tests = self._tests(self.best) if self.iterations else []
+        if not any(each.error_weights is not None for each in self.iterations):
+            return ()  # in a list for instance, for which no weights are decoded
+        tests = self._tests(self.best)
         repetitions = [test.repetition for test in tests if test.repetition is not None]
         if not repetitions:
             return ()
@@ -177,32 +216,70 @@ class Entry:
             for index, learning_filter in enumerate(filters)
         )
 
-    def _note(self, used: Iteration, recording: Recording) -> Matrix:
-        """Write into an iteration what its repetition showed.
+    def _begin_epoch(self, used: Iteration) -> Iteration:
+        """Start again from what was used: errors of before count no more.
 
         Returns:
-            What its feedback added, fitted, (k, L) [m/s^2].
+            The iteration that was used, the first one of the new epoch.
         """
-        used.errors, used.circumstances = dict(recording.errors), recording.circumstances
-        fitted = fit_laps(recording.laps, self.basis)
+        epoch, self.learning_gain = self.epoch + 1, 1.0
+        if used.errors is None:
+            used.epoch = epoch
+            return used
+        self.iterations.append(replace(self._copy(used), epoch=epoch))
+        return self.iterations[-1]
+
+    def _copy(self, iteration: Iteration) -> Iteration:
+        """Make the next iteration of weights that were there before."""
+        return Iteration(
+            number=self.iterations[-1].number + 1,
+            weights=iteration.weights,
+            epoch=self.epoch,
+            uncertainty=iteration.uncertainty,
+        )
+
+    def _learn(self, used: Iteration, fitted: FittedLaps) -> Iteration:
+        """Make the next iteration of what a repetition showed."""
+        weights = self.rule.next_weights(
+            self.key, self.basis, self._tests(used), fitted.feedback, self.learning_gain
+        )
+        uncertainty = None if fitted.scatter is None else fitted.scatter.uncertainty(self.basis.L)
+        if self.rule.compares:
+            share = trusted_share(fitted, used.uncertainty, self.basis)[:, None]
+            weights = used.weights + share * (weights - used.weights)
+            uncertainty = None if uncertainty is None else np.sqrt(share) * uncertainty
+        return Iteration(
+            number=self.iterations[-1].number + 1,
+            weights=weights,
+            learned_from=used.number,
+            epoch=self.epoch,
+            uncertainty=uncertainty,
+        )
+
+    def _note(self, used: Iteration, recording: Recording, fitted: FittedLaps) -> None:
+        """Write into an iteration what its repetition showed."""
+        used.errors = with_scatter(recording.errors, recording.laps, fitted.scatter)
+        used.circumstances = recording.circumstances
         used.feedback = fitted.feedback
         # those of an earlier test of the same weights do not go with the new gains
         used.error_weights, used.reference_weights = fitted.error, fitted.reference
-        return fitted.feedback
 
     def _tests(self, last: Iteration) -> list[Iteration]:
         """List the iterations tested at the newest gains, the one to go on from at the end."""
-        tested = [item for item in self.iterations if item.gains == self.circumstances.gains]
+        tested = [
+            item for item in since_change(self.iterations) if item.gains == self.circumstances.gains
+        ]
         return [*(item for item in tested if item is not last), last]
 
     def _find(self, applied: Matrix) -> Iteration:
         if not self.iterations:
             self.iterations.append(Iteration(0, np.zeros_like(applied)))
-        for iteration in self.iterations:
+        for iteration in since_change(self.iterations):
             if np.max(np.abs(iteration.weights - applied)) < SAME_WEIGHTS:
                 return iteration
         # applied from elsewhere, for instance generalised
-        self.iterations.append(Iteration(self.iterations[-1].number + 1, applied))
+        number = self.iterations[-1].number + 1
+        self.iterations.append(Iteration(number, applied, epoch=self.epoch))
         return self.iterations[-1]
 
     def _compare(self, recording: Recording) -> list[str]:

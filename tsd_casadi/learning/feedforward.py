@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.learning.band import Band
+from tsd_casadi.learning.bound import Bound
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.state import Matrix
 
@@ -25,12 +26,14 @@ class Feedforward:
         basis: The basis of the weights.
         weights: (k, L) [m/s^2, rad/s^2].
         standard_deviations: Weights of its predictive standard deviation over
-            the phase, (k, L) [m/s^2, rad/s^2]; zero for a learned entry.
+            the phase, (k, L) [m/s^2, rad/s^2]; of a learned entry the standard
+            deviation of its weights, zero if unknown.
         kind: How it came about.
         parameters: Of the motion that it is meant for, SI units.
         provenance: Where it comes from, plain data.
         declaration: What is said of the motion; None if nobody did.
         bands: That are meant to hold what would be learned; none for what was.
+        bound: What it was bounded by; None if nobody did.
     """
 
     axes: tuple[str, ...]
@@ -42,6 +45,7 @@ class Feedforward:
     provenance: dict[str, Any] = field(default_factory=dict)
     declaration: Declaration | None = None
     bands: tuple[Band, ...] = ()
+    bound: Bound | None = None
 
     def __repr__(self) -> str:
         """Say along what, of which kind and for which parameters."""
@@ -58,6 +62,10 @@ class Feedforward:
         """Feed nothing forward."""
         nothing = np.zeros((len(axes), basis.L))
         return cls(axes, basis, nothing, nothing, "none")
+
+    def within(self, bound: Bound) -> Feedforward:
+        """Shrink each axis to a bound, where it is larger."""
+        return replace(self, weights=bound.apply(self.weights, self.basis), bound=bound)
 
     def over(self, axes: tuple[str, ...]) -> Feedforward:
         """Give the same along other axes: zero along those that it does not know."""
@@ -82,6 +90,11 @@ class Feedforward:
     def iteration(self) -> int:
         """Learning iterations behind it; 0 for none."""
         return int(self.provenance.get("iteration", 0))
+
+    @property
+    def epoch(self) -> int:
+        """How often the robot had changed before it was learned."""
+        return int(self.provenance.get("epoch", 0))
 
     def mean(self, phase: ArrayLike) -> Matrix:
         """Compute the feedforward term.

@@ -34,7 +34,8 @@ class Iteration:
         errors: Measures of the repetition that used them by axis, None while untested.
         circumstances: How that repetition was made.
         epoch: Counts how often the robot has changed before it.
-        uncertainty: Standard deviation of the weights, (k, L); None if unknown.
+        uncertainty: Standard deviation of each weight, as the scatter of the laps that
+            it was learned from tells it, (k, L) [m/s^2]; None if unknown.
         feedback: What its feedback added, fitted, (k, L) [m/s^2].
         error_weights: Its position error, fitted, (k, L) [m]; None if unknown.
         reference_weights: Its reference, fitted, (k, L) [m]; None if unknown.

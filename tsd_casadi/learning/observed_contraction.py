@@ -34,7 +34,9 @@ def observe_contractions(
     rows = []
     for item in iterations:
         before = by_number.get(item.learned_from)
-        if before is None or item.errors is None or item.gains != before.gains:
+        if before is None or item.errors is None:
+            continue
+        if item.gains != before.gains or item.epoch != before.epoch:
             continue
         left, all_of_it = _feedback_harmonics(key, basis, (item, before), axis)
         row = np.full_like(left, np.nan)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file_sections import ComTaskFile
+from tsd_casadi.robot.robot_file_tasks import ComTaskFile
 from tsd_casadi.state import State
 from tsd_casadi.tick.command import Command
 

@@ -15,7 +15,8 @@ import pinocchio
 
 from tsd_casadi.motions.hold import hold
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file_sections import FRAME_AXES, ComTaskFile
+from tsd_casadi.robot.robot_file_sections import FRAME_AXES
+from tsd_casadi.robot.robot_file_tasks import ComTaskFile
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.command import Command
 

@@ -91,6 +91,8 @@ class Moment:
         true_error: Of the axes, (k,) [m, rad]; NaN where nobody knows it.
         tick_time: Round trip of the tick [us]; only after the tick.
         missed: Why there is no tick, in a period that had no answer.
+        offered: The learned or borrowed term in full, (k,) [m/s^2, rad/s^2].
+        share: How much of it is in ``feedforward``, 0 to 1: it is phased in.
     """
 
     time: float
@@ -108,6 +110,8 @@ class Moment:
     true_error: Vector = field(default_factory=partial(np.zeros, 0))
     tick_time: float = 0.0
     missed: Missed | None = None
+    offered: Vector = field(default_factory=partial(np.zeros, 0))
+    share: float = 1.0
 
 
 class Compensator:
@@ -121,11 +125,13 @@ class Compensator:
     Attributes:
         veto: Why the feedforward is no longer in use, for people; None while it is.
             What ran under a veto is recorded as run without feedforward.
+        remarks: What else people should know of the repetition.
         correction: Fingerprint of the estimated centre of mass that it brings in;
             empty if it brings none. What is learned with it is another entry.
     """
 
     veto: str | None = None
+    remarks: tuple[str, ...] = ()
     correction: str = ""
 
     def start(self, setting: Setting) -> None:

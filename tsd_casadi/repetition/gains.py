@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from tsd_casadi.exceptions import InvalidValue
+from tsd_casadi.tick.command import Command
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,13 @@ class Gains:
             InvalidValue: If it is not above 0 and at most 100.
         """
         return cls(factor, math.sqrt(max(factor, 0.0)))
+
+    def scale(self, command: Command, task: str) -> None:
+        """Scale the gains of a task in a command, couplings of its axes too."""
+        for field, factor in (("P", self.P), ("D", self.D)):
+            for name in (f"{task}.{field}", f"{task}.{field}_coupling"):
+                if name in command.fields:  # one axis has no couplings
+                    command[name] *= factor
 
 
 UNCHANGED = Gains()

@@ -16,8 +16,8 @@ from tsd_casadi.learning.rules.by_name import find_rule
 from tsd_casadi.learning.rules.rule import RuleName
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.motions.ranges import check_motion
+from tsd_casadi.repetition.borrowed import gates_for
 from tsd_casadi.repetition.compensator import Compensator
-from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
 from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.observer import Observer
 from tsd_casadi.repetition.pace import Pace
@@ -26,6 +26,7 @@ from tsd_casadi.repetition.record import context_of, record_of
 from tsd_casadi.repetition.repeat import repeat, usual_axes
 from tsd_casadi.repetition.repetition import Progress
 from tsd_casadi.repetition.run import Run
+from tsd_casadi.repetition.what_to_try import what_to_try
 
 # of the error: smaller gains are not worth another repetition
 WORTHWHILE = 0.02
@@ -72,7 +73,7 @@ def learn(
     patience: int | None = None,
     first: Feedforward | None = None,
     restart: bool = False,
-    rule: RuleName = "guarded",
+    rule: RuleName = "adaptive",
     laps: int = 3,
     gains: Gains = UNCHANGED,
     compensators: Sequence[Compensator] = (),
@@ -141,15 +142,18 @@ def learn(
     runs = []
     for motion, learned in zip(motions, learned_of, strict=True):
         errors: list[float] = []
+        epoch = None
         for index in range(iterations + 1):
             fresh = restart and index == 0
             feedforward = (
                 None if fresh else _served(learner, plant.robot.name, motion, learned, context)
             )
-            gate = FeedforwardGate()
-            gates = []
-            if index == 0 and feedforward is None and first is not None:
-                feedforward, gates = first, [gate]
+            if feedforward is not None and epoch != (epoch := feedforward.epoch):
+                # those of before are of another robot, but for the one that showed it
+                errors = errors[-1:]
+            if index == 0 and feedforward is None:
+                feedforward = first
+            gates = gates_for(feedforward, plant.robot, controller, motion, gains, correction)
             run = repeat(
                 plant,
                 controller,
@@ -173,7 +177,8 @@ def learn(
             instruction = Instruction(known_rule, update=not is_last, restart=fresh)
             recording = record_of(run, plant.robot, correction)
             entry, notes = learner.record(recording, instruction)
-            notes = [*run.vetoes, *_about_limits(run), *_about_axes(feedforward, learned), *notes]
+            about_run = [*run.vetoes, *run.remarks, *what_to_try(run)]
+            notes = [*about_run, *_about_axes(feedforward, learned), *notes]
             if on_run is not None:
                 on_run(run, notes)
             runs.append(run)
@@ -207,17 +212,6 @@ def _served(
         )
     except EntryNotFound:
         return None
-
-
-def _about_limits(run: Run) -> list[str]:
-    """Say so where a joint met its stop: what is learned there holds nowhere else."""
-    if not run.at_limits:
-        return []
-    joints = ", ".join(f"{joint} in {count} ticks" for joint, count in run.at_limits.items())
-    return [
-        f"at a limit of position or velocity: {joints}; what is learned against a stop is about "
-        "the stop. Try a smaller motion or another posture"
-    ]
 
 
 def _about_axes(feedforward: Feedforward | None, axes: Sequence[str]) -> list[str]:

@@ -56,7 +56,8 @@ LOG_FIELDS: dict[str, LogField] = {
     "joint_limits": LogField(
         "",
         "what bounds each joint, negative from below: 0 nothing, 1 acceleration, 4 position, "
-        "5 velocity; 3 one of the last two yielded",
+        "5 velocity; 3 one of the last two yielded; 7 past its position's limit and coming back "
+        "faster than it has to, 8 past its velocity's",
         "(n,)",
         "int8",
     ),

@@ -9,7 +9,9 @@ from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.recording import Recording
+from tsd_casadi.repetition.allowed_acceleration import allowed_accelerations
 from tsd_casadi.repetition.run import Run
+from tsd_casadi.repetition.what_to_try import what_to_try
 from tsd_casadi.repetition.why_infeasible import why_infeasible
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.version import __version__
@@ -30,24 +32,18 @@ def record_of(
         SimulationError: If it fell or never settled.
     """
     what = " ".join(f"{name}={value:g}" for name, value in run.motion.parameters.items())
-    if run.fell:
-        why = why_infeasible(run, robot)
-        raise SimulationError(
-            f"the robot fell in {run.motion.name} {what}; nothing was recorded. Try a smaller "
-            "motion, a smaller model error or a larger P" + (f"; {why}" if why else "")
+    if run.fell or run.failures or not run.steady:
+        how = (
+            "fell"
+            if run.fell
+            else "needed safe torques"
+            if run.failures
+            else f"did not settle in {run.laps_run} laps"
         )
-    if run.failures:
-        kinds = ", ".join(f"{count} {kind}" for kind, count in run.failures.items())
-        why = why_infeasible(run, robot)
+        told = [*what_to_try(run), why_infeasible(run)]
         raise SimulationError(
-            f"the controller answered ticks of {run.motion.name} {what} with a safe torque "
-            f"({kinds}); nothing was recorded. Look at limits, weights and friction"
-            + (f"; {why}" if why else "")
-        )
-    if not run.steady:
-        raise SimulationError(
-            f"the feedback of {run.motion.name} {what} did not settle in {run.laps_run} laps; "
-            "nothing was recorded. Try a larger P or a slower motion"
+            f"the robot {how} in {run.motion.name} {what}; nothing was recorded. "
+            + "; ".join(sentence for sentence in told if sentence)
         )
     return Recording(
         key=EntryKey.of(
@@ -62,7 +58,12 @@ def record_of(
         applied=run.feedforward.weights,
         laps=run.laps,
         errors=run.errors,
-        circumstances=Circumstances(run.gains, _setting(run), __version__),
+        circumstances=Circumstances(
+            run.gains,
+            _setting(run),
+            __version__,
+            allowed_accelerations(robot, run.motion, run.feedforward.axes),
+        ),
         declaration=run.motion.declaration(),
     )
 

@@ -12,10 +12,12 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.controller.controller import WholeBodyController
-from tsd_casadi.encoding.laps import Lap, first_steady_lap
+from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.encoding.phase_oscillator import PhaseOscillator
+from tsd_casadi.encoding.steadiness import first_steady_lap, steady_from
 from tsd_casadi.exceptions import SimulationError
+from tsd_casadi.learning.axis_error import unit_of_axis
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.hold import hold
 from tsd_casadi.motions.motion import Motion, Reference
@@ -23,6 +25,7 @@ from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.gains import Gains
 from tsd_casadi.repetition.observer import Observer
 from tsd_casadi.repetition.pace import Pace, Periods
+from tsd_casadi.repetition.phasing import PhasedShare, settling_time
 from tsd_casadi.repetition.plant import Plant, Truth
 from tsd_casadi.repetition.references import References
 from tsd_casadi.repetition.run import Run
@@ -82,6 +85,7 @@ class Repetition:
         self._moved = motion.axes(robot)
         axes = (*learned, *(axis for axis in self._moved if axis not in learned))
         self._learned = len(learned)
+        self._units = [unit_of_axis(axis) for axis in learned]
         self._places = np.array([axes.index(axis) for axis in self._moved], dtype=int)
         self._all_move = axes == self._moved
         self._feedforward = (
@@ -91,22 +95,29 @@ class Repetition:
         )
         self._command = controller.command()
         self._command["period"] = plant.period
+        # asked for until there was one: it takes the time of a few ticks
+        self._command["explain"] = 1.0
         hold(self._command, robot, motion.middle(robot))
         for task in dict.fromkeys(axis.rpartition(".")[0] for axis in learned):
             # an unknown task is told by References, with those that there are
-            if f"{task}.P" in tick_format.request.slices:
-                self._command[f"{task}.P"] *= gains.P
-                self._command[f"{task}.D"] *= gains.D
+            gains.scale(self._command, task)
         self._references = References(robot, tick_format, self._command, axes)
         self._oscillator = PhaseOscillator(motion.frequency, motion.start_phase)
         self._fall_height = FALL_HEIGHT * float(robot.home_com[2])
         self._flight_height = FLIGHT_HEIGHT * float(robot.home_com[2])
         self._log = TickLog()
         self._laps: list[Lap] = []
+        # nothing need not be phased in
+        self._share = PhasedShare(0.0 if self._feedforward.weights.any() else 1.0)
+        self._share.go_to(1.0, 0.0, 1 / motion.frequency)
+        # the newest tick in which more or less of the term was in use than before, by its time,
+        # and the laps that the loop's answer to such changes is in
+        self._last_share, self._changed, self._unsettled = self._share.at(0.0), 0.0, 0
         self.over = False
         self._fell = False
-        self._steady = False
+        self._first_steady: int | None = None
         self._infeasible_request: Vector | None = None
+        self._conflict: dict[str, float] = {}
         # where nobody tells the truth
         self._model, self._data = robot.model, robot.model.createData()
         self._periods = None if pace is None else Periods(controller, robot, plant.period, pace)
@@ -125,10 +136,12 @@ class Repetition:
         self._log.start(self.setting)
         for compensator in compensators:
             compensator.start(self.setting)
+        self._settling = settling_time(*(self.setting.gain(self._command, each) for each in "PD"))
 
     def end(self, observer: Observer) -> None:
         """Tell an observer that it is over, and how it ended."""
-        outcome = "fell" if self._fell else "steady" if self._steady else "never steady"
+        steady = self._first_steady is not None
+        outcome = "fell" if self._fell else "steady" if steady else "never steady"
         observer.end(outcome if self.over else "aborted")
 
     @property
@@ -141,13 +154,16 @@ class Repetition:
         return self._plant.period * self._log.ticks
 
     def hold(self, progress: Progress | None) -> None:
-        """Stand in the middle of the motion; the feedforward is that of the starting phase."""
+        """Stand in the middle of the motion; the feedforward is that of the starting phase.
+
+        It is being phased in, over the first lap's time from here on.
+        """
         ticks = round(HOLD / self._plant.period)
         still = self._resting()
         feedforward = self._along(self._feedforward.mean([self._motion.start_phase]))[:, 0]
         tick = 0
         while tick < ticks:
-            tick += self._tick(-1, still, feedforward.copy())
+            tick += self._tick(-1, still, feedforward)
             if progress is not None and tick % 200 == 0:
                 progress(self._time, 2 * HOLD)
             if self._fell:
@@ -162,9 +178,12 @@ class Repetition:
             done = len(self._laps)
             if progress is not None:
                 progress(HOLD + done * period, HOLD + max(laps, done) * period)
-            if done >= laps and first_steady_lap(self._laps) is not None:
-                self._steady = True
-                return
+            if done >= laps:
+                skipped = self._skipped
+                first = steady_from(self._laps[skipped:], self._units, is_last_chance=done == bound)
+                if first is not None:
+                    self._first_steady = first + skipped
+                    return
 
     def finish(self, settings: dict[str, Any], aborted: str = "") -> Run:
         """Measure and pack up.
@@ -174,12 +193,17 @@ class Repetition:
         """
         first = None
         if len(self._laps) >= 2 and not self._fell:
-            first = first_steady_lap(self._laps)
+            first = self._first_steady
+            if first is None:
+                # what was ended early may have been steady before
+                first = first_steady_lap(self._laps[self._skipped :], self._units)
+                first = None if first is None else first + self._skipped
             first = len(self._laps) - 2 if first is None else first
         log = self._log.log(first)
         statuses = Counter(log["status"].tolist())
         causes = Counter(log["missed"].tolist())
         vetoes = [item.veto for item in self._compensators if item.veto is not None]
+        remarks = [remark for item in self._compensators for remark in item.remarks]
         feedforward = self._feedforward
         if vetoes:
             feedforward = Feedforward.zero(feedforward.axes, feedforward.basis)
@@ -196,9 +220,10 @@ class Repetition:
             log=log,
             laps=[] if first is None else self._laps[first:],
             laps_run=len(self._laps),
-            steady=self._steady,
+            steady=self._first_steady is not None,
             fell=self._fell,
             vetoes=vetoes,
+            remarks=remarks,
             failures={
                 Status(status).name.lower(): count
                 for status, count in statuses.items()
@@ -209,12 +234,22 @@ class Repetition:
             model=self._robot.fingerprint,
             infeasible_request=self._infeasible_request,
             at_limits=self._at_limits(log["joint_limits"]),
+            conflict=self._conflict,
         )
 
     def _at_limits(self, joint_limits: Vector) -> dict[str, int]:
         counts = np.isin(np.abs(joint_limits), AT_LIMIT).sum(axis=0)
         joints = zip(self._controller.format.joints, counts.tolist(), strict=True)
         return {joint: count for joint, count in joints if count}
+
+    @property
+    def _skipped(self) -> int:
+        """Count the laps before those with all of the feedforward, or with none.
+
+        The last of them is not counted: it takes the place of the very first lap, which
+        never is steady.
+        """
+        return max(self._unsettled - 1, 0)
 
     def _along(self, learned: Vector) -> Vector:
         """Values of the learned axes as values of all axes, zero along the others."""
@@ -226,7 +261,7 @@ class Repetition:
         return Reference(nothing, nothing, nothing)
 
     def _lap(self) -> None:
-        start = self._log.ticks
+        start, began = self._log.ticks, self._time
         lap, step = self._oscillator.lap, self._oscillator.omega * self._plant.period
         # the whole lap's feedforward at once: a matrix product, not 4000
         count = math.ceil(2 * np.pi / step) + 1
@@ -234,7 +269,7 @@ class Repetition:
         feedforward = self._along(self._feedforward.mean(ahead))
         tick = 0
         while self._oscillator.lap == lap and not self._fell:
-            if self._tick(lap, self._reference(), feedforward[:, tick].copy()):
+            if self._tick(lap, self._reference(), feedforward[:, tick]):
                 self._oscillator.advance(self._plant.period)
                 tick += 1
         if not self._fell:
@@ -250,6 +285,8 @@ class Repetition:
                 feedforward=rows["feedforward"].T[:k],
             )
             self._laps.append(done)
+            if self._changed + self._settling > began:
+                self._unsettled = len(self._laps)
             for observer in self._observers:
                 observer.lap(done)
 
@@ -278,11 +315,22 @@ class Repetition:
             self._fell = True
             return False
         moment = Moment(
-            time, self._oscillator.phase, lap, state, reference, feedforward, self._command
+            time,
+            self._oscillator.phase,
+            lap,
+            state,
+            reference,
+            feedforward,
+            self._command,
+            offered=feedforward,
         )
         moment.truth = truth
+        moment.share = self._share.at(time)
+        moment.feedforward = moment.share * feedforward
         for compensator in self._compensators:
             compensator.before(moment)
+        if moment.share != self._last_share:
+            self._last_share, self._changed = moment.share, time
         self._references.write(reference.x, reference.xd, reference.xdd, moment.feedforward)
         moment.true_error = (
             np.full(len(self.setting.axes), np.nan)
@@ -303,6 +351,7 @@ class Repetition:
             return False
         if answer.reply[0] == Status.INFEASIBLE and self._infeasible_request is None:
             self._infeasible_request = self._command.request.copy()
+            self._conflict, self._command["explain"] = answer.conflict, 0.0
         moment.tick = answer
         moment.tau = answer.tau
         if self._compensators:

@@ -13,6 +13,7 @@ from tsd_casadi.learning.axis_error import AxisError, rank, unit_of_axis
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.state import Vector
+from tsd_casadi.tick.row_state import AT_LIMIT, JOINT_ROW, name_row
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class Run:
             measured.
         fell: Whether the robot fell, which ends the run.
         vetoes: Why the feedforward was dropped.
+        remarks: What else compensators have to say of the repetition.
         failures: Ticks answered with a safe torque, by status name.
         at_limits: Ticks at or past a limit of position or velocity, by joint.
         missed: Periods without an answer, stepped with the fallback, by cause.
@@ -40,6 +42,8 @@ class Run:
         model: Fingerprint of the robot's files; empty where nobody knows.
         infeasible_request: State and command of the first tick without a solution;
             None if there was none.
+        conflict: By how much each row of a set that cannot hold together there would have
+            to give way alone, by name; see ``Tick.conflict``.
     """
 
     robot: str
@@ -60,6 +64,8 @@ class Run:
     model: str = ""
     infeasible_request: Vector | None = None
     at_limits: dict[str, int] = field(default_factory=dict)
+    conflict: dict[str, float] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
 
     def __repr__(self) -> str:
         """Say what was done, with what, and how well."""
@@ -97,6 +103,24 @@ class Run:
     def measured(self, name: str) -> Vector:
         """Pick a quantity in the steady laps, all axes, (N, k)."""
         return np.asarray(self.log[name][self.log["measured"]])
+
+    @property
+    def limited(self) -> dict[str, Vector]:
+        """When joints were at or past limits of position or velocity, (N,) each.
+
+        By row, named as in ``Tick.active``; a row that yielded has its own name.
+        """
+        if not self.at_limits:
+            return {}
+        states = np.abs(self.log["joint_limits"])
+        columns = np.flatnonzero(np.isin(states, AT_LIMIT).any(axis=0))
+        found: dict[str, Vector] = {}
+        for joint, column in zip(self.at_limits, columns, strict=True):
+            for state in AT_LIMIT:
+                name, when = name_row(f"{JOINT_ROW}.{joint}", state), states[:, column] == state
+                if when.any():
+                    found[name] = found.get(name, when) | when
+        return found
 
     @property
     def learned(self) -> tuple[str, ...]:
@@ -160,6 +184,7 @@ class Run:
             "missed": self.missed,
             "aborted": self.aborted or None,
             "vetoes": self.vetoes,
+            "remarks": self.remarks,
             "ticks": self.ticks,
             "tick_us": {
                 name: None if math.isnan(value) else value for name, value in self.tick_us.items()

@@ -4,29 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
+from tsd_casadi.explanation.conflict_sentence import tell_conflict
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot.robot import Robot
 from tsd_casadi.tick.format import Status
 
 
-def why_infeasible(run: Run, robot: Robot) -> str:
-    """Say it in one sentence, from the request that had no solution; takes seconds.
-
-    Args:
-        robot: As its controller believes it.
+def why_infeasible(run: Run) -> str:
+    """Say it in one sentence, from what the controller answered.
 
     Returns:
-        The sentence, empty if no tick was infeasible.
+        The sentence, empty if no tick was infeasible because of limits.
     """
-    if run.infeasible_request is None:
+    if not run.conflict:
         return ""
-    # CasADi's part of the problem is needed by nobody whose limits agree
-    from tsd_casadi.explanation.explain import explain
-    from tsd_casadi.formulation.inverse_dynamics import InverseDynamics
-
     tick = int(np.argmax(run.log["status"] == Status.INFEASIBLE))
-    explanation = explain(InverseDynamics(robot), run.infeasible_request)
     return (
         f"tick {tick}, at {run.log['time'][tick]:.3f} s, was the first without a solution: "
-        f"{explanation.sentence()}"
+        f"{tell_conflict(run.conflict)}"
     )

@@ -9,7 +9,6 @@ import pinocchio
 
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.exceptions.did_you_mean import nearest
-from tsd_casadi.robot.foot import feet_jacobian
 from tsd_casadi.robot.inertias import override_lines, what_is_wrong
 
 if TYPE_CHECKING:
@@ -17,8 +16,6 @@ if TYPE_CHECKING:
 
 # how far home may leave the feet from lying flat on one plane [m, -]
 FLATNESS = 1e-3
-# singular value of the contact Jacobian below which a direction counts as lost
-RANK_TOLERANCE = 1e-4
 # more than any motor: a number that stands for no limit [N m]
 HIGHEST_TORQUE = 1e6
 
@@ -28,8 +25,7 @@ def check_robot(robot: Robot) -> None:
 
     Raises:
         RobotFileError: If a name is unknown, a limit is missing or exceeded, a
-            posture does not stand flat, the feet depend on each other or span no
-            area to stand on.
+            posture does not stand flat, or the feet span no area to stand on.
     """
     _check_joints(robot)
     _check_torque_limits(robot)
@@ -37,7 +33,6 @@ def check_robot(robot: Robot) -> None:
     _check_angles(robot)
     _check_weight(robot)
     _check_feet_on_ground(robot)
-    _check_mobility(robot)
     _check_support(robot)
 
 
@@ -154,22 +149,6 @@ def _check_feet_on_ground(robot: Robot) -> None:
                 "joint angles with all soles flat and all points on one plane; if the angles are "
                 "right, the contact's 'offset' (and 'frame') that leads to where the foot is flat",
             )
-
-
-def _check_mobility(robot: Robot) -> None:
-    """Refuse feet that are not free to accelerate independently of each other."""
-    model, q = robot.model, robot.home.q
-    J = feet_jacobian(robot.feet, model, model.createData(), q)
-    rank = int(np.linalg.matrix_rank(J, tol=RANK_TOLERANCE))
-    if rank < len(J):
-        raise RobotFileError(
-            robot.path,
-            "contacts",
-            f"at home the feet can move in {rank} ways only, six for each sole and three for "
-            f"each point would be {len(J)}",
-            "legs with at least six joints to a sole, three to a point, and a home posture "
-            "without straight knees",
-        )
 
 
 def _check_support(robot: Robot) -> None:

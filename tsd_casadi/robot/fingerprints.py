@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from tsd_casadi.robot.robot_file import RobotFile
-from tsd_casadi.robot.robot_file_sections import ComTaskFile, Contact, FrameTaskFile
+from tsd_casadi.robot.robot_file_sections import Contact
+from tsd_casadi.robot.robot_file_tasks import AnyTask, ComTaskFile, ContactForceFile
 
 # changed whenever the terms of the cost or the equalities change their meaning
 FORMULATION = 1
@@ -50,17 +51,19 @@ def formulation_fingerprint(described: RobotFile) -> str:
     """
     meaning = [
         FORMULATION,
-        [_meaning_of_task(task) for task in described.tasks],
+        [_meaning_of_task(task) for task in described.all_tasks],
         [_meaning(contact) for contact in described.contacts],
         [described.posture.W, described.regularization.model_dump()],
     ]
     return hashlib.sha256(json.dumps(meaning).encode()).hexdigest()[:16]
 
 
-def _meaning_of_task(task: ComTaskFile | FrameTaskFile) -> tuple[object, ...]:
+def _meaning_of_task(task: AnyTask) -> tuple[object, ...]:
     """Tell what a task means to the formulation."""
+    if isinstance(task, ContactForceFile):
+        return (task.type, task.name, task.contact, task.axes, task.W, task.active)
     meaning: tuple[object, ...] = (task.type, task.name, getattr(task, "frame", ""), task.axes)
-    sometimes = isinstance(task, FrameTaskFile) and not task.active
+    sometimes = not isinstance(task, ComTaskFile) and not task.active
     return (*meaning, task.W, "sometimes") if sometimes else (*meaning, task.W)
 
 

@@ -18,7 +18,8 @@ import numpy as np
 import pinocchio
 
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.robot.robot_file_sections import COM_AXES, FRAME_AXES, ComTaskFile
+from tsd_casadi.robot.robot_file_sections import COM_AXES, FRAME_AXES
+from tsd_casadi.robot.robot_file_tasks import ComTaskFile
 from tsd_casadi.robot.standing import DAMPING, HOMING, LAST_STEPS, STEPS, TOLERANCE
 from tsd_casadi.state import Matrix, State, Vector
 

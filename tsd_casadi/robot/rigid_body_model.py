@@ -16,7 +16,8 @@ from tsd_casadi.robot.description_changes import complete_joints, override_links
 from tsd_casadi.robot.joint_patterns import values_by_joint
 from tsd_casadi.robot.parsed_model import parse_model
 from tsd_casadi.robot.robot_file import RobotFile
-from tsd_casadi.robot.robot_file_sections import ComTaskFile, Contact, FrameTaskFile
+from tsd_casadi.robot.robot_file_sections import Contact, PointFile, SoleFile
+from tsd_casadi.robot.robot_file_tasks import FrameTaskFile
 
 # sections of the robot file that are by joint
 BY_JOINT = ("locked", "effort", "velocity", "position")
@@ -64,9 +65,9 @@ class RigidBodyModel:
         self._check_joints()
         self.frame_names = {
             part.name: self._frame_of(part, f"{kind}.{index}")
-            for kind, parts in (("contacts", file.contacts), ("tasks", file.tasks))
+            for kind, parts in (("contacts", file.contacts), ("tasks", file.all_tasks))
             for index, part in enumerate(parts)
-            if not isinstance(part, ComTaskFile)
+            if isinstance(part, (FrameTaskFile, SoleFile, PointFile))
         }
 
     def find_frame(self, name: str) -> int | None:

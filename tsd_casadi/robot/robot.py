@@ -41,6 +41,9 @@ class Robot:
         model: Numeric ``pinocchio.Model`` with a free-flyer base.
         joint_names: Actuated joints in the order of q, v and tau.
         torque_limit: Bound of |tau|, shape (n,) [N m].
+        stall_torque: Torque that a motor's line of torque over speed has at rest, shape
+            (n,) [N m], infinite where the file gives none.
+        no_load_speed: Speed at which that line is zero, shape (n,) [rad/s], as above.
         acceleration_limit: Bound of |joint acceleration|, shape (n,) [rad/s^2].
         braking: Acceleration that a joint counts on to stop, shape (n,) [rad/s^2].
         velocity_limit: Bound of |joint velocity|, shape (n,) [rad/s], infinite where
@@ -75,6 +78,13 @@ class Robot:
         self.model = self.bodies.model
         self.joint_names: list[str] = list(self.model.names)[2:]
         self.torque_limit: Vector = np.array(self.model.upperEffortLimit[6:])
+        lines = values_by_joint(self.path, "torque_speed", described.torque_speed, self.joint_names)
+        self.stall_torque: Vector = np.full(self.n, np.inf)
+        self.no_load_speed: Vector = np.full(self.n, np.inf)
+        for joint, line in lines.items():
+            index = self.joint_names.index(joint)
+            self.stall_torque[index] = line.stall_torque
+            self.no_load_speed[index] = line.no_load_speed
         accelerations = values_by_joint(
             self.path, "acceleration", described.acceleration, self.joint_names
         )
@@ -91,7 +101,7 @@ class Robot:
 
     def __repr__(self) -> str:
         """Name the robot and what it has."""
-        parts = (self.description.contacts, self.description.tasks)
+        parts = (self.description.contacts, self.description.all_tasks)
         contacts, tasks = (", ".join(part.name for part in each) for each in parts)
         return f"<Robot {self.name}: {self.n} joints; contacts {contacts}; tasks {tasks}>"
 
@@ -155,6 +165,13 @@ class Robot:
     def home_com(self) -> Vector:
         """Centre of mass at home, shape (3,) [m], world frame."""
         return self.center_of_mass(self.home.q)
+
+    @cached_property
+    def home_inertia(self) -> float:
+        """Mean moment of inertia about the centre of mass, at home [kg m^2]."""
+        data = self.model.createData()
+        pinocchio.ccrba(self.model, data, self.home.q, self.home.v)
+        return float(np.trace(data.Ig.inertia)) / 3.0
 
     def sole_placements(self, q: Vector) -> list[Any]:
         """Compute where the soles are.

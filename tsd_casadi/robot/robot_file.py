@@ -13,9 +13,7 @@ from tsd_casadi.robot.robot_file_goals import DemoGoalsFile
 from tsd_casadi.robot.robot_file_overrides import OverridesFile
 from tsd_casadi.robot.robot_file_sections import (
     AnyContact,
-    ComTaskFile,
     Finite,
-    FrameTaskFile,
     HardwareFile,
     LimitsFile,
     MotionFile,
@@ -24,6 +22,14 @@ from tsd_casadi.robot.robot_file_sections import (
     RegularizationFile,
     SafeTorqueFile,
     SoleFile,
+)
+from tsd_casadi.robot.robot_file_tasks import (
+    GAIN_KINDS,
+    AnyTask,
+    ComTaskFile,
+    FrameTaskFile,
+    PlacedTask,
+    check_tasks,
 )
 from tsd_casadi.robot.strict_yaml import read_yaml
 
@@ -40,7 +46,7 @@ class RobotFile(OverridesFile):
         mjcf: MuJoCo's description of them.
         home: Joint angles of the home posture [rad]; joints left out are zero.
         contacts: The feet.
-        tasks: The Cartesian tasks.
+        all_tasks: What the file has under 'tasks'.
         posture: Null-space posture.
         regularization: Weights on forces and accelerations.
         limits: Limits beyond those of the description.
@@ -59,10 +65,7 @@ class RobotFile(OverridesFile):
     mjcf: str | None = None
     home: dict[str, Finite]
     contacts: Annotated[tuple[AnyContact, ...], Field(min_length=1)]
-    tasks: Annotated[
-        tuple[Annotated[ComTaskFile | FrameTaskFile, Field(discriminator="type")], ...],
-        Field(min_length=1),
-    ]
+    all_tasks: Annotated[tuple[AnyTask, ...], Field(min_length=1, alias="tasks")]
     posture: PostureFile
     regularization: RegularizationFile
     limits: LimitsFile
@@ -73,6 +76,13 @@ class RobotFile(OverridesFile):
     hardware: HardwareFile | None = None
     fallback: FallbackFile = Field(default_factory=HoldFile)
     demo_goals: DemoGoalsFile = Field(default_factory=DemoGoalsFile)
+
+    @property
+    def tasks(self) -> tuple[PlacedTask, ...]:
+        """The Cartesian tasks: those that have a place to be at, which motions move."""
+        return tuple(
+            task for task in self.all_tasks if isinstance(task, (ComTaskFile, FrameTaskFile))
+        )
 
     @property
     def source(self) -> str:
@@ -103,6 +113,8 @@ def read_robot_file(path: Path) -> RobotFile:
         location = list(first["loc"])
         if location[:1] in (["tasks"], ["contacts"]):
             del location[2:3]  # the part's type, which pydantic puts in between
+        if location[:1] == ["tasks"]:
+            location = [part for part in location if part not in GAIN_KINDS]
         if location[:1] == ["fallback"]:
             del location[1:2]  # and its kind
         field = ".".join(map(str, location)) or "robot"
@@ -165,15 +177,8 @@ def _check_ranges(path: Path, robot_file: RobotFile) -> None:
                 "the frame's origin is not inside the sole",
                 "x and y ranges around zero",
             )
-    for index, task in enumerate(robot_file.tasks):
-        if not task.axes or len(set(task.axes)) < len(task.axes):
-            raise RobotFileError(
-                path,
-                f"tasks.{index}.axes",
-                f"is {list(task.axes)}",
-                "at least one axis, none twice",
-            )
-    names = [part.name for part in (*robot_file.contacts, *robot_file.tasks)]
+    check_tasks(path, robot_file.all_tasks, robot_file.contacts)
+    names = [part.name for part in (*robot_file.contacts, *robot_file.all_tasks)]
     reserved = ("posture", "limits", "regularization", "safe_torque", "period", "q", "v")
     for name in names:
         if names.count(name) > 1 or name in reserved:

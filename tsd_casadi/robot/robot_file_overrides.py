@@ -29,6 +29,18 @@ class LinkFile(Section):
     inertia: tuple[Finite, Finite, Finite, Finite, Finite, Finite] | None = None
 
 
+class TorqueSpeedFile(Section):
+    """What a motor has left as it turns faster, at the joint: a line.
+
+    Attributes:
+        stall_torque: At rest [N m]; where it is above the torque limit that one counts.
+        no_load_speed: At which nothing is left [rad/s].
+    """
+
+    stall_torque: Positive
+    no_load_speed: Positive
+
+
 class OverridesFile(Section):
     """What is changed of the description, whose file stays untouched.
 
@@ -38,6 +50,7 @@ class OverridesFile(Section):
     Attributes:
         locked: Joints that do not move, each with its angle [rad].
         effort: Torque limits [N m].
+        torque_speed: Lines from stall torque to no-load speed.
         velocity: Velocity limits [rad/s].
         position: Joint limits (low, high) [rad].
         acceleration: Acceleration limits [rad/s^2], instead of ``limits``.
@@ -48,6 +61,7 @@ class OverridesFile(Section):
 
     locked: dict[Pattern, Finite] = Field(default_factory=dict)
     effort: dict[Pattern, Positive] = Field(default_factory=dict)
+    torque_speed: dict[Pattern, TorqueSpeedFile] = Field(default_factory=dict)
     velocity: dict[Pattern, Positive] = Field(default_factory=dict)
     position: dict[Pattern, tuple[Finite, Finite]] = Field(default_factory=dict)
     acceleration: dict[Pattern, Positive] = Field(default_factory=dict)

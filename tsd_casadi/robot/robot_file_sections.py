@@ -15,6 +15,7 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 
 COM_AXES = ("x", "y", "z")
 FRAME_AXES = ("x", "y", "z", "rx", "ry", "rz")
+ROTATIONS = FRAME_AXES[3:]
 
 
 class Section(BaseModel):
@@ -97,51 +98,6 @@ AnyContact = Annotated[
     Annotated[SoleFile, Tag("sole")] | Annotated[PointFile, Tag("point")],
     Discriminator(_kind_of_contact),
 ]
-
-
-class ComTaskFile(Section):
-    """Centre-of-mass task: gains and weights per axis, world axes.
-
-    Attributes:
-        type: Always 'com'.
-        name: Name of the task.
-        axes: Controlled axes.
-        P: Stiffness [1/s^2].
-        D: Damping [1/s].
-        W: Weight [(m/s^2)^-2].
-    """
-
-    type: Literal["com"]
-    name: Name
-    axes: tuple[Literal["x", "y", "z"], ...] = COM_AXES  # type: ignore[assignment]
-    P: NonNegative
-    D: NonNegative
-    W: NonNegative
-
-
-class FrameTaskFile(Section):
-    """Task on a frame of the URDF: gains and weights, world axes.
-
-    Attributes:
-        type: Always 'frame'.
-        name: Name of the task.
-        frame: The frame.
-        axes: Controlled axes, translations x y z and rotations rx ry rz.
-        P: Stiffness [1/s^2].
-        D: Damping [1/s].
-        W: Weight [(m/s^2)^-2 or (rad/s^2)^-2].
-        active: Whether the frame is always tracked; otherwise only in motions that move
-            it. A hand that is tracked stays where it is in the world while the rest squats.
-    """
-
-    type: Literal["frame"]
-    name: Name
-    frame: str
-    axes: tuple[Literal["x", "y", "z", "rx", "ry", "rz"], ...] = FRAME_AXES  # type: ignore[assignment]
-    P: NonNegative
-    D: NonNegative
-    W: NonNegative
-    active: Annotated[bool, Field(strict=True)] = True
 
 
 class PostureFile(Section):

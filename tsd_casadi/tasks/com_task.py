@@ -11,15 +11,16 @@ from tsd_casadi.tick.layout import Field
 class ComTask(Task):
     r"""Tracks :math:`c` with error :math:`c_{ref} - c`, world frame [m]."""
 
-    def reference_field(self, robot: Robot) -> Field:
-        """Describe c_ref, (3,) [m], world frame; axes not controlled are ignored."""
-        return Field(
+    def reference_fields(self, robot: Robot) -> tuple[Field, ...]:
+        """Describe c_ref, (3,) [m], world frame, axes not controlled ignored, and its rates."""
+        place = Field(
             f"{self.name}.reference",
             3,
             "m",
             "centre of mass, world frame",
             default=tuple(robot.home_com),
         )
+        return place, *self.rate_fields("m/s", "m/s^2")
 
     def terms(self, dynamics: SymbolicDynamics, read: Read) -> TaskTerms:
         """Write error, Jacobian and drift of the controlled axes, world frame."""

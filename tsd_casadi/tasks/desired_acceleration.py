@@ -18,15 +18,15 @@ def feedback_acceleration(P: ca.SX, error: ca.SX, D: ca.SX, error_rate: ca.SX) -
     """Compute what the feedback adds, the signal that is learned from.
 
     Args:
-        P: Stiffness per axis, (k,) [1/s^2].
+        P: Stiffness, (k, k) [1/s^2].
         error: x_ref - x, (k,) [m or rad], world axes.
-        D: Damping per axis, (k,) [1/s].
+        D: Damping, (k, k) [1/s].
         error_rate: xd_ref - xd, (k,) [m/s or rad/s], world axes.
 
     Returns:
         (k,) [m/s^2 or rad/s^2].
     """
-    return P * error + D * error_rate
+    return P @ error + D @ error_rate
 
 
 def desired_acceleration(reference: ca.SX, feedforward: ca.SX, feedback: ca.SX) -> ca.SX:

@@ -8,7 +8,7 @@ import numpy as np
 
 from tsd_casadi.state import Vector
 from tsd_casadi.tick.format import Status, TickFormat
-from tsd_casadi.tick.row_state import RowState, name_row
+from tsd_casadi.tick.row_state import NO_INEQUALITY, RowState, name_row
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Tick:
         'joint_position.knee'.
         """
         state = np.abs(self._field("active")).astype(int)
-        places = np.flatnonzero((state != RowState.INSIDE) & (state != RowState.EQUALITY))
+        places = np.flatnonzero(~np.isin(state, NO_INEQUALITY))
         return [name_row(self.format.row_names[i], RowState(state[i])) for i in places]
 
     @property
@@ -89,6 +89,16 @@ class Tick:
         """Names of the joints' rows whose limits of position or velocity yielded."""
         state = np.abs(self._field("active"))
         return [self.format.row_names[i] for i in np.flatnonzero(state == RowState.YIELDED)]
+
+    @property
+    def conflict(self) -> dict[str, float]:
+        """Limits that cannot hold together, if the command asked for them with 'explain'.
+
+        By name, by how much each would have to give way if it alone did, in its own unit
+        and negative at its lower bound. Without any one of them the others can hold.
+        """
+        amounts = self._field("conflict")
+        return {self.format.row_names[i]: float(amounts[i]) for i in np.flatnonzero(amounts)}
 
     @property
     def compute_time(self) -> float:

@@ -67,6 +67,11 @@ class AxisErrorMessage(Document):
         ac_rms: RMS error without its mean [unit].
         mean_abs_feedback: Mean absolute feedback [unit/s^2].
         true_rms: RMS error of the robot itself, where somebody knows it [unit].
+        laps: How many laps it was measured in; the learner fills it.
+        deviation: Standard deviation of the RMS error of a single lap [unit]; the
+            learner fills it.
+        scatter: Standard deviation of the feedback from lap to lap, RMS over the phase
+            [unit/s^2]: what does not repeat; the learner fills it.
         unit: Of the axis.
     """
 
@@ -75,6 +80,9 @@ class AxisErrorMessage(Document):
     ac_rms: NotNegative | None = None
     mean_abs_feedback: NotNegative | None = None
     true_rms: NotNegative | None = None
+    laps: Annotated[int, Field(ge=1)] | None = None
+    deviation: NotNegative | None = None
+    scatter: NotNegative | None = None
     unit: Unit
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Annotated, Literal
 
 import numpy as np
@@ -30,7 +31,7 @@ class BasisMessage(Document):
     @classmethod
     def of(cls, basis: PeriodicBasis) -> BasisMessage:
         """Describe a basis."""
-        return cls(L=basis.L, centres=tuple(basis.centers), width=basis.width)
+        return _described(basis)
 
     def basis(self) -> PeriodicBasis:
         """Make the basis.
@@ -44,3 +45,9 @@ class BasisMessage(Document):
         ):
             raise MalformedMessage("basis.centres", "2 pi j / L for j = 0 ... L - 1")
         return basis
+
+
+@lru_cache(100)
+def _described(basis: PeriodicBasis) -> BasisMessage:
+    # nearly all answers have the same
+    return BasisMessage(L=basis.L, centres=tuple(basis.centers), width=basis.width)

@@ -57,11 +57,14 @@ class CircumstancesMessage(Document):
         gains: P and D of the learned axes [1/s^2, 1/s].
         setting: What else a record should say, plain data.
         version: Of the software.
+        allowed: Largest acceleration along each learned axis that the torque limits
+            allow at the motion [unit/s^2]; empty if nobody said.
     """
 
     gains: dict[Name, Annotated[list[Finite], Field(max_length=50)]]
     setting: Annotated[dict[str, Any], Field(default_factory=dict)]
     version: Annotated[str, Field(max_length=100)] = ""
+    allowed: Annotated[list[Finite], Field(default_factory=list, max_length=50)]
 
     @classmethod
     def of(cls, circumstances: Circumstances) -> CircumstancesMessage:

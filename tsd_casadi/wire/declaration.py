@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import lru_cache
 from typing import Annotated
 
 from pydantic import Field
@@ -57,11 +58,7 @@ class DeclarationMessage(Document):
     @classmethod
     def of(cls, declaration: Declaration) -> DeclarationMessage:
         """Describe a declaration."""
-        return cls(
-            motion=declaration.motion,
-            version=declaration.version,
-            parameters=[ParameterMessage(**asdict(item)) for item in declaration.parameters],
-        )
+        return _described(declaration)
 
     def declaration(self) -> Declaration:
         """Make the declaration.
@@ -79,6 +76,16 @@ class DeclarationMessage(Document):
                 )
         parameters = tuple(Parameter(**item.model_dump()) for item in self.parameters)
         return Declaration(self.motion, self.version, parameters)
+
+
+@lru_cache(100)
+def _described(declaration: Declaration) -> DeclarationMessage:
+    # every answer about a motion has the same, and making it takes as long as looking it up
+    return DeclarationMessage(
+        motion=declaration.motion,
+        version=declaration.version,
+        parameters=[ParameterMessage(**asdict(item)) for item in declaration.parameters],
+    )
 
 
 class QuantityMessage(Document):

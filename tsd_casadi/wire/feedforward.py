@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
@@ -9,6 +10,7 @@ from pydantic import Field
 from tsd_casadi.document import Document, Finite, Name, to_matrix
 from tsd_casadi.exceptions import MalformedMessage
 from tsd_casadi.learning.band import Band
+from tsd_casadi.learning.bound import Bound
 from tsd_casadi.learning.feedforward import Feedforward, Kind
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.wire.axis import Axes, NotNegative, axis_messages, plain_axes
@@ -64,6 +66,19 @@ class BoundMessage(Document):
     largest: list[NotNegative]
     reason: Annotated[str, Field(max_length=200)] = ""
 
+    def bound(self, k: int) -> Bound:
+        """Make the bound.
+
+        Args:
+            k: Number of axes.
+
+        Raises:
+            MalformedMessage: If there is not one for each axis.
+        """
+        if len(self.largest) != k:
+            raise MalformedMessage(f"a bound of {len(self.largest)} axes", f"one for each of {k}")
+        return Bound(tuple(self.largest), self.reason)
+
 
 class FeedforwardMessage(Message):
     """A feedforward term: the project's most public contract.
@@ -79,7 +94,9 @@ class FeedforwardMessage(Message):
         basis: The basis.
         weights: k rows of L numbers [unit/s^2].
         standard_deviations: Weights of the predictive standard deviation over
-            the phase, in the same basis.
+            the phase, in the same basis, k rows of L numbers [unit/s^2]. Of a learned
+            term the standard deviation of each weight that the scatter of the laps
+            leaves, the same for all of an axis; zero if unknown.
         kind: 'learned' or 'generalised'.
         context: In which it was learned.
         others: Number of entries of the motion in other contexts.
@@ -136,6 +153,7 @@ class FeedforwardMessage(Message):
             epoch=provenance.get("epoch", 0),
             declaration=DeclarationMessage.of(declaration) if declaration.parameters else None,
             bands=[BandMessage.of(band) for band in feedforward.bands] or None,
+            bound=None if feedforward.bound is None else BoundMessage(**asdict(feedforward.bound)),
             provenance=provenance,
         )
 
@@ -168,7 +186,9 @@ class FeedforwardMessage(Message):
             standard_deviations=deviations,
             kind=self.kind,
             parameters=plain_parameters(declaration, self.parameters),
-            provenance=self.provenance,
+            # a client looks at it again
+            provenance={**self.provenance, "robot": self.robot},
             declaration=declaration,
             bands=tuple(band.band(shape) for band in self.bands or ()),
+            bound=None if self.bound is None else self.bound.bound(len(axes)),
         )

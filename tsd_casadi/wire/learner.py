@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from tsd_casadi.document import Document
 from tsd_casadi.learning.contraction import Contraction
@@ -139,8 +141,9 @@ class DatabaseReply(Message):
         format: Name and version of this message.
         instance: Id of the service.
         database: Path of the file, on the service's machine.
-        entries: The entries.
-        damaged: Entries that cannot be read.
+        entries: Those of the page that was asked for, in the order of their numbers.
+        damaged: Entries of the page that cannot be read.
+        more: Number of entries that were asked for, beyond the page.
         forgotten: The entry that was asked to be forgotten, if any, and if it
             could be read.
     """
@@ -150,6 +153,7 @@ class DatabaseReply(Message):
     database: str
     entries: list[EntryMessage]
     damaged: tuple[DamagedMessage, ...] = ()
+    more: Annotated[int, Field(ge=0)] = 0
     forgotten: EntryMessage | None = None
 
 

@@ -1,18 +1,18 @@
-"""Asking the learner: what to feed forward, what is known, what to forget."""
+"""Asking the learner what to feed forward."""
 
 from __future__ import annotations
 
 import json
 
 import numpy as np
-import typer
 
 from tsd_casadi.learning.axis_error import unit_of_axis
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.repetition.record import context_of
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.wire.feedforward import FeedforwardMessage
-from tsd_cli.actions.prepare import asked_motion, chosen_axes, open_learner
+from tsd_cli.actions.open_learner import open_learner
+from tsd_cli.actions.prepare import asked_motion, chosen_axes
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.motion import MotionOptions
 from tsd_cli.options.output import JsonOptions
@@ -21,9 +21,7 @@ from tsd_cli.options.services import ConnectOptions
 from tsd_cli.output import check_outputs, put_out
 from tsd_clients.console.learner_tables import (
     describe_context,
-    describe_parameters,
     describe_values,
-    print_entries,
 )
 from tsd_clients.console.table import console
 
@@ -58,37 +56,6 @@ def ask_feedforward(
             **wanted.parameters,
         )
     put_out(json.loads(message.encode()), output, lambda: _print_feedforward(message))
-
-
-@interruptible()
-def show_entries(services: ConnectOptions, output: JsonOptions) -> None:
-    """List what was learned.
-
-    Raises:
-        TsdError: If the learner cannot be reached.
-    """
-    check_outputs(output)
-    with open_learner(services) as learner:
-        reply = learner.database()
-    put_out(reply.model_dump(mode="json"), output, lambda: print_entries(reply))
-
-
-@interruptible()
-def forget(entry: int, services: ConnectOptions) -> None:
-    """Remove an entry and say what it was.
-
-    Raises:
-        TsdError: If there is none of that number, or the learner cannot be reached.
-    """
-    with open_learner(services) as learner:
-        forgotten = learner.forget(entry).forgotten
-    if forgotten is None:
-        typer.echo(f"forgot entry {entry}, which could not be read")
-    else:
-        typer.echo(
-            f"forgot entry {forgotten.entry}: {forgotten.motion} of {forgotten.robot}, "
-            f"{describe_parameters(forgotten)}"
-        )
 
 
 def _print_feedforward(message: FeedforwardMessage) -> None:

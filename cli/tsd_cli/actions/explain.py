@@ -36,7 +36,7 @@ def explain_tick(path: Path, tick: int | None, robot: str | None, output: JsonOp
     status = int(log.fields["status"][number])
     told = "missed" if status == NO_STATUS else Status(status).name.lower()
     notes = [f"from {each}" for each in rests_on]
-    if explanation.feasible and status == Status.INFEASIBLE and not explanation.dependent:
+    if explanation.feasible and status == Status.INFEASIBLE:
         notes.append("infeasible then, feasible as put together here: see what it rests upon")
     result = {
         "robot": problem.robot.name,

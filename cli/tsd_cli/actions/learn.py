@@ -16,6 +16,7 @@ from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.record import context_of
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.actions.aborted import ABORTED, put_out_on_interrupt
+from tsd_cli.actions.open_learner import open_learner
 from tsd_cli.actions.prepare import (
     asked_motion,
     chosen_axes,
@@ -24,7 +25,6 @@ from tsd_cli.actions.prepare import (
     chosen_pace,
     make_simulator,
     open_controller,
-    open_learner,
 )
 from tsd_cli.actions.region import default_name, describe_chosen, read_region
 from tsd_cli.actions.story import Story
@@ -80,6 +80,7 @@ def learn_by_repetition(
     runs = (learning.iterations + 1.0) * max(places.auto, 1)
 
     def put_out_story() -> None:
+        story.conclude(robot, axes, context.correction)
         result = {"robot": robot.name, "motion": wanted.name, "axes": list(axes), **story.plain()}
         if failure is None or story.summaries:
             put_out(result, output, lambda: story.show(wanted, rule, places))

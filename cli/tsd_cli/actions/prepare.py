@@ -1,4 +1,4 @@
-"""What options stand for: motion, simulated robot, controller, learner."""
+"""What options stand for: motion, simulated robot, controller."""
 
 from __future__ import annotations
 
@@ -23,15 +23,14 @@ from tsd_casadi.repetition.pace import Pace
 from tsd_casadi.repetition.patience import PATIENCE, check_patience
 from tsd_casadi.repetition.repeat import usual_axes
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.wire.endpoints import CONTROLLER, LEARNER
+from tsd_casadi.wire.endpoints import CONTROLLER
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
-from tsd_cli.options.services import ConnectOptions, ControllerChoice, ServiceOptions
+from tsd_cli.options.services import ControllerChoice, ServiceOptions
 from tsd_clients.console.progress import show_activity
 from tsd_clients.remote.lock_step import NOTICEABLE
 from tsd_clients.remote.remote_controller import RemoteController
-from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_clients.simulator.model_error import ModelError
 from tsd_clients.simulator.simulator import MujocoSimulator
 
@@ -182,12 +181,3 @@ def _tell_what_was_waited_for(remote: RemoteController) -> None:
     if sum(waited.values()) > NOTICEABLE:
         parts = ", ".join(f"{words} {seconds:.1f} s" for words, seconds in waited.items())
         typer.echo(f"note: waited for the controller: {parts}", err=True)
-
-
-def open_learner(options: ConnectOptions) -> RemoteLearner:
-    """Connect to the learner of the options.
-
-    Raises:
-        ServiceUnreachable: If no service answers.
-    """
-    return RemoteLearner(options.endpoints(LEARNER), zenoh_file=options.zenoh_file())

@@ -43,7 +43,7 @@ def _describe(name: str) -> dict[str, Any]:
         "name": robot.name,
         "joints": robot.joint_names,
         "contacts": [contact.name for contact in description.contacts],
-        "tasks": [task.name for task in description.tasks],
+        "tasks": [task.name for task in description.all_tasks],
         "motions": _possible(robot),
         "file": str(robot.path),
     }

@@ -8,13 +8,15 @@ import typer
 
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
-from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
+from tsd_casadi.repetition.borrowed import gates_for
 from tsd_casadi.repetition.record import context_of
 from tsd_casadi.repetition.run import Run
+from tsd_casadi.repetition.what_to_try import what_to_try
 from tsd_casadi.repetition.why_infeasible import why_infeasible
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.actions.aborted import keep_aborted
 from tsd_cli.actions.label import describe_motion, label_of
+from tsd_cli.actions.open_learner import open_learner
 from tsd_cli.actions.prepare import (
     asked_motion,
     chosen_axes,
@@ -23,7 +25,6 @@ from tsd_cli.actions.prepare import (
     chosen_pace,
     make_simulator,
     open_controller,
-    open_learner,
 )
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.motion import FeedforwardChoice, MotionOptions, SingleRepetitionOptions
@@ -62,8 +63,6 @@ def simulate_once(
     axes = chosen_axes(motion, robot, wanted)
     gains, pace = chosen_gains(repetition), chosen_pace(time)
     compensators = chosen_compensators(repetition, robot)
-    if repetition.feedforward is FeedforwardChoice.GENERALIZED:
-        compensators.append(FeedforwardGate())
     simulator = make_simulator(body, robot, repetition.period)
     correction = "".join(item.correction for item in compensators)
     learned = _ask(repetition.feedforward, robot, wanted, axes, correction, services)
@@ -73,6 +72,7 @@ def simulate_once(
         open_controller(services, robot, time.patience) as controller,
         show_progress(describe_motion(wanted), 1.0) as progress,
     ):
+        gates = gates_for(learned, robot, controller, wanted, gains, correction)
         run = simulator.run(
             controller,
             wanted,
@@ -80,16 +80,17 @@ def simulate_once(
             laps=repetition.laps,
             feedforward=learned,
             gains=gains,
-            compensators=compensators,
+            # the gate before what adds to the feedforward: it is about the borrowed one
+            compensators=[*gates, *compensators],
             seed=repetition.seed,
             transport=services.controller.value,
             progress=progress,
             pace=pace,
             on_abort=keep,
         )
-    for veto in run.vetoes:
-        typer.echo(f"note: {veto}", err=True)
-    if why := why_infeasible(run, robot):
+    for note in (*run.vetoes, *run.remarks, *what_to_try(run)):
+        typer.echo(f"note: {note}", err=True)
+    if why := why_infeasible(run):
         typer.echo(f"note: {why}", err=True)
     missing = [] if learned is None else [axis for axis in axes if axis not in learned.axes]
     if missing:

@@ -13,7 +13,9 @@ from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.rules.rule import Rule
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.run import Run
+from tsd_casadi.robot.robot import Robot
 from tsd_cli.actions.label import label_of
+from tsd_cli.actions.true_error import tell_prior, tell_risen
 from tsd_cli.options.learning import PlaceOptions
 from tsd_clients.console.learner_tables import print_contractions, print_places
 from tsd_clients.console.run_tables import print_runs
@@ -26,6 +28,7 @@ class Story:
         summaries: Of the runs, plain data.
         places: Where learning went by itself, plain data.
         was_aborted: Whether something ended a repetition early.
+        remarks: What to know of all of it.
     """
 
     def __init__(self) -> None:
@@ -33,6 +36,7 @@ class Story:
         self.was_aborted = False
         self.summaries: list[dict[str, Any]] = []
         self.places: list[dict[str, Any]] = []
+        self.remarks: list[str] = []
         self._learned: list[tuple[Motion, Sequence[Contraction]]] = []
 
     def keep_run(self, run: Run, notes: list[str]) -> None:
@@ -66,6 +70,7 @@ class Story:
         """Give plain data for JSON."""
         return {
             "runs": self.summaries,
+            "remarks": self.remarks,
             "places": self.places,
             "contractions": [
                 {"parameters": motion.parameters, **asdict(each)}
@@ -84,3 +89,20 @@ class Story:
         if rule.is_by_harmonic:
             for at, contractions in self._learned:
                 print_contractions(declaration, at.parameters, contractions)
+        for remark in self.remarks:
+            typer.echo(f"note: {remark}", err=True)
+
+    def conclude(self, robot: Robot, axes: Sequence[str], correction: str) -> None:
+        """Note what no run by itself tells: what learning leaves of the true error.
+
+        Args:
+            axes: Learned axes.
+            correction: Fingerprint of the centre of mass in use; empty for the model's.
+        """
+        if any(summary["laps_measured"] for summary in self.summaries) and not correction:
+            self.remarks += tell_prior(robot, axes)
+        by_motion: dict[str, list[dict[str, Any]]] = {}
+        for summary in self.summaries:
+            by_motion.setdefault(str(summary["parameters"]), []).append(summary)
+        for runs in by_motion.values():
+            self.remarks += tell_risen(runs)

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from tsd_cli.option_groups import with_groups
+from tsd_cli.options.listing import ListingOptions
 from tsd_cli.options.motion import MotionOptions
 from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.robot import RobotOptions
@@ -40,15 +41,16 @@ def query(
 
 
 @with_groups
-def list_entries(services: ConnectOptions, output: JsonOptions) -> None:
-    """List what was learned.
+def list_entries(listing: ListingOptions, services: ConnectOptions, output: JsonOptions) -> None:
+    """List what was learned, as much of it as was learned last.
 
     tsd database list
+    tsd database list --motion squat --limit 500
     tsd database list --json -
     """
-    from tsd_cli.actions.ask import show_entries
+    from tsd_cli.actions.entries import list_entries
 
-    show_entries(services, output)
+    list_entries(listing, services, output)
 
 
 @with_groups
@@ -63,6 +65,6 @@ def forget_entry(
 
     tsd database forget 3
     """
-    from tsd_cli.actions.ask import forget
+    from tsd_cli.actions.entries import forget
 
     forget(entry, services)

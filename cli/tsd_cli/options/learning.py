@@ -47,9 +47,9 @@ class LearningOptions:
             "worse. stable: guarded, with phase lead and bandwidth from the response that the "
             "repetitions show, so that lag and delay let nothing grow; prints by harmonic what "
             "an iteration leaves of the error. adaptive: stable, going by how much of the last "
-            "change arrived; for joints in which friction takes most of it.",
+            "change arrived, for joints in which friction takes most of it.",
         ),
-    ] = RuleChoice.GUARDED
+    ] = RuleChoice.ADAPTIVE
     stop_after: Annotated[
         int | None,
         typer.Option(

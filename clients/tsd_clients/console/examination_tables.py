@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rich.markup import escape
@@ -36,6 +36,8 @@ def print_examination(name: str, examination: Mapping[str, Any]) -> None:
             Column("inside\nfeet, mm", [_pressure(each) for each in motions]),
         ],
     )
+    if examination["torque_speed"]:
+        _print_lines(name, examination["torque_speed"])
     console.print()
     for finding in examination["findings"]:
         color, severity = COLORS[finding["severity"]], finding["severity"]
@@ -48,6 +50,23 @@ def print_examination(name: str, examination: Mapping[str, Any]) -> None:
     others = len(examination["findings"]) - errors
     verdict = "works" if examination["works"] else "cannot work like this"
     console.print(f"{name} {verdict}: {errors} errors, {others} warnings and notes")
+
+
+def _print_lines(name: str, lines: Sequence[Mapping[str, Any]]) -> None:
+    def numbers(field: str) -> list[str]:
+        return ["-" if line[field] is None else f"{line[field]:.3g}" for line in lines]
+
+    print_table(
+        f"{name}: torque that its motors have left at speed",
+        [
+            Column("joint", [escape(line["joint"]) for line in lines], is_text=True),
+            Column("limit,\nN m", numbers("torque_limit")),
+            Column("up to,\nrad/s", numbers("full_torque_speed")),
+            Column("at rest,\nN m", numbers("stall_torque"), rank=1),
+            Column("none from,\nrad/s", numbers("no_load_speed")),
+            Column("allowed,\nrad/s", numbers("velocity_limit"), rank=2),
+        ],
+    )
 
 
 def _motion(motion: Mapping[str, Any], common: float | None) -> str:

@@ -20,17 +20,12 @@ def print_explanation(title: str, found: Mapping[str, Any]) -> None:
     Args:
         title: Which tick of which log.
     """
-    if found["contradicting"]:
-        _say(title)
-        _say("equalities that contradict each other by themselves:")
-        for name in found["contradicting"]:
-            _say(f"  {name}")
-    elif found["conflict"]:
+    if found["conflict"]:
         _print_conflict(f"{title}: limits that cannot hold together", found["conflict"])
     else:
         _print_costs(title, found["limits"], found["otherwise"])
     if found["dependent"]:
-        _say(f"{found['dependent']} of the equalities follow from others: redundant contacts")
+        _say(f"{found['dependent']} of the contacts' rows follow from others and are not held")
 
 
 def _print_conflict(title: str, rows: Sequence[Mapping[str, Any]]) -> None:

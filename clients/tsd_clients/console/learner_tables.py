@@ -40,6 +40,11 @@ def print_entries(reply: DatabaseReply) -> None:
         "" if each is None or each.ac_rms is None else number_text(each.ac_rms, 1e3, 4)
         for each in errors
     ]
+    true = [
+        "" if each is None or each.true_rms is None else number_text(each.true_rms, 1e3, 4)
+        for each in errors
+    ]
+    corrections = of_entry(lambda entry: escape(entry.context.correction[:6]) or "-")
     values = [{} if entry is None else entry.parameters for entry, _, _ in rows]
     columns = [
         Column("entry", of_entry(lambda entry: str(entry.entry))),
@@ -52,8 +57,14 @@ def print_entries(reply: DatabaseReply) -> None:
         Column("served", of_entry(lambda entry: f"{entry.served}/{len(entry.iterations) - 1}")),
         Column(f"its RMS\n{units}", untested),
         Column(f"its AC RMS\n{units}", without_mean, rank=4),
-        Column("context", of_entry(lambda entry: describe_context(entry.context)), 1, True),
-        Column("updated", of_entry(lambda entry: entry.updated[:10]), rank=5, is_text=True),
+        *_if_any(Column(f"true RMS\n{units}", true, rank=3), true),
+        Column("context", of_entry(lambda entry: describe_body(entry.context)), 1, True),
+        *_if_any(
+            Column("correction", corrections, 2, True),
+            [entry.context.correction for entry in reply.entries],
+        ),
+        Column("epoch", of_entry(lambda entry: str(_epoch(entry))), rank=5),
+        Column("updated", of_entry(lambda entry: entry.updated[:10]), rank=6, is_text=True),
     ]
     print_table(f"database {reply.database}", columns)
     contexts = {tuple(entry.context.model_dump().values()) for entry in reply.entries}
@@ -63,14 +74,35 @@ def print_entries(reply: DatabaseReply) -> None:
             "answer together, see docs/learning.md",
             highlight=False,
         )
+    if reply.more:
+        console.print(
+            f"{reply.more} more that were recorded before: --limit shows more of them, --motion "
+            "and --robot less of others, --json all",
+            highlight=False,
+        )
     for each in reply.damaged:
         console.print(f"entry {each.entry} cannot be read: {escape(each.reason)}", style="red")
+
+
+def describe_body(context: ContextMessage) -> str:
+    """Shorten body and formulation to what tells them from others, 'unknown' if they are."""
+    parts = (context.body, context.formulation)
+    return " ".join(escape(part[:6]) for part in parts if part) or "unknown"
 
 
 def describe_context(context: ContextMessage) -> str:
     """Shorten a context to what tells it from others: 'a1b2c3 d4e5f6', 'unknown'."""
     parts = (context.body, context.formulation, context.correction)
     return " ".join(escape(part[:6]) for part in parts if part) or "unknown"
+
+
+def _if_any(column: Column, known: Sequence[str]) -> list[Column]:
+    """Leave a column out in which nothing would be said."""
+    return [column] if any(known) else []
+
+
+def _epoch(entry: EntryMessage) -> int:
+    return next((each.epoch for each in entry.iterations if each.number == entry.served), 0)
 
 
 def _served(entry: EntryMessage, axis: str) -> AxisErrorMessage | None:
@@ -144,7 +176,8 @@ def print_contractions(
         )
         shares = {
             "plain sum": item.plain,
-            "predicted,\nat most": item.predicted,
+            # no bound: it is exceeded where the loop is not linear
+            "predicted,\nif linear": item.predicted,
             "observed": item.observed,
         }
         columns = [

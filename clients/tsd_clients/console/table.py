@@ -16,6 +16,8 @@ from rich.text import Text
 console = Console()
 # between two columns: the padding of the left one and the box's divider
 BETWEEN = 2
+# rows; Rich takes more than a millisecond for one of ten columns
+MOST_DRESSED = 100
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,10 @@ def print_table(title: str, columns: Sequence[Column]) -> None:
     console.print()
     if title:
         console.print(f"[italic]{escape(title)}[/italic]", highlight=False)
-    console.print(_table(shown, may_break=width() > console.width))
+    if len(columns[0].cells) > MOST_DRESSED and width() <= console.width:
+        console.out("\n".join(plain_lines(shown)), highlight=False)
+    else:
+        console.print(_table(shown, may_break=width() > console.width))
     if left_out:
         # in the order of the table
         names = [" ".join(column.heading.split()) for column in columns if column in left_out]
@@ -68,6 +73,35 @@ def print_table(title: str, columns: Sequence[Column]) -> None:
             "has it[/dim]",
             highlight=False,
         )
+
+
+def plain_lines(columns: Sequence[Column]) -> list[str]:
+    """Lay a table out as Rich would, without bold letters: some hundred times faster."""
+    headings = [column.heading.split("\n") for column in columns]
+    height = max(map(len, headings))
+    filled = [[""] * (height - len(lines)) + lines for lines in headings]
+    texts = [
+        [*heading, *map(_text, column.cells)]
+        for heading, column in zip(filled, columns, strict=True)
+    ]
+    widths = [max(map(cell_len, each)) for each in texts]
+    aligned = [
+        [_aligned(text, width, column.is_text) for text in each]
+        for each, width, column in zip(texts, widths, columns, strict=True)
+    ]
+    lines = ["  ".join(cells) for cells in zip(*aligned, strict=True)]
+    rule = "─" * (sum(widths) + BETWEEN * (len(columns) - 1))
+    return [line.rstrip() for line in (*lines[:height], rule, *lines[height:])]
+
+
+def _aligned(text: str, width: int, is_text: bool) -> str:
+    blank = " " * (width - cell_len(text))
+    return text + blank if is_text else blank + text
+
+
+def _text(cell: str) -> str:
+    # only what may be markup or an emoji's name has to be parsed, which takes long
+    return Text.from_markup(cell).plain if "[" in cell or ":" in cell else cell
 
 
 def _table(columns: Sequence[Column], *, may_break: bool) -> Table:
@@ -84,9 +118,4 @@ def _table(columns: Sequence[Column], *, may_break: bool) -> Table:
 
 def _column_width(column: Column) -> int:
     lines = [line for cell in (column.heading, *column.cells) for line in cell.split("\n")]
-    return max(_text_width(line) for line in lines)
-
-
-def _text_width(text: str) -> int:
-    # only what may be markup or an emoji's name has to be parsed, which takes long
-    return Text.from_markup(text).cell_len if "[" in text or ":" in text else cell_len(text)
+    return max(cell_len(_text(line)) for line in lines)

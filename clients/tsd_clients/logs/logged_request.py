@@ -70,6 +70,8 @@ def logged_request(log: Log, tick: int, problem: InverseDynamics) -> tuple[Vecto
         error = dict(zip(task.axes, fields["all_errors"][tick][first:], strict=False))
         first += task.k
         offset = np.array([float(error.get(axis, 0.0)) for axis in FRAME_AXES])
+        if f"{task.name}.reference" not in command.fields:
+            continue  # nowhere to be
         if len(command[f"{task.name}.reference"]) == 3:
             command[f"{task.name}.reference"] = robot.center_of_mass(q) + offset[:3]
         else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from tsd_casadi.generalization.suggestion import Region, Suggestion
 from tsd_casadi.learning.context import Context
@@ -19,6 +19,7 @@ from tsd_casadi.wire.keys import (
     suggestion_key,
 )
 from tsd_casadi.wire.learner import DatabaseReply, EntryMessage, RecordReply
+from tsd_casadi.wire.listing import LARGEST_PAGE, Listing
 from tsd_casadi.wire.question import question_texts
 from tsd_casadi.wire.record import RecordMessage
 from tsd_casadi.wire.suggestion import SuggestionMessage
@@ -144,9 +145,7 @@ class RemoteLearner:
 
     def entries(self, robot: str | None = None, motion: str | None = None) -> list[EntryMessage]:
         """Ask for the entries; see ``Database.entries``."""
-        body = self._session.query_one(database_key(robot or ANY_ROBOT))
-        entries = DatabaseReply.decode(body).entries
-        return [entry for entry in entries if motion in (None, entry.motion)]
+        return [entry for page in self.pages(robot, motion) for entry in page.entries]
 
     def record(
         self, recording: Recording, instruction: Instruction = USUAL
@@ -168,10 +167,28 @@ class RemoteLearner:
         reply = RecordReply.decode(body)
         return reply.entry, reply.notes
 
-    def database(self) -> DatabaseReply:
-        """Ask what is known, of every robot."""
-        body = self._session.query_one(database_key(ANY_ROBOT))
-        return DatabaseReply.decode(body)
+    def database(
+        self, robot: str | None = None, motion: str | None = None, *, limit: int = LARGEST_PAGE
+    ) -> DatabaseReply:
+        """Ask what was recorded last.
+
+        Args:
+            robot: Only of this robot.
+            motion: Only of this motion.
+            limit: Largest number of entries.
+        """
+        return self._page(robot, Listing(motion, limit))
+
+    def pages(self, robot: str | None = None, motion: str | None = None) -> Iterator[DatabaseReply]:
+        """Ask for all entries, page by page in the order of their numbers; at least one page."""
+        after = 0
+        while True:
+            page = self._page(robot, Listing(motion, LARGEST_PAGE, after))
+            yield page
+            numbers = [each.entry for each in page.entries] + [each.entry for each in page.damaged]
+            if not page.more or not numbers:
+                return
+            after = max(numbers)
 
     def forget(self, entry: int) -> DatabaseReply:
         """Remove an entry.
@@ -182,5 +199,8 @@ class RemoteLearner:
         Raises:
             EntryNotFound: If there is none of that number.
         """
-        body = self._session.query_one(database_key(ANY_ROBOT), parameters={"forget": str(entry)})
+        return self._page(None, Listing(limit=1, forget=entry))
+
+    def _page(self, robot: str | None, listing: Listing) -> DatabaseReply:
+        body = self._session.query_one(database_key(robot or ANY_ROBOT), parameters=listing.texts())
         return DatabaseReply.decode(body)

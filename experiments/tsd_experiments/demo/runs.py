@@ -117,6 +117,7 @@ class DemoRuns:
             # what was learned along one axis would be served to a run of all
             restart=True,
             iterations=self.plan.iterations,
+            rule="guarded",  # the paper's sum
             seed=self.seed,
             transport="zenoh",
             progress=lambda _motion, _index: self._progress,

@@ -33,7 +33,8 @@ class Outcome:
         """Keep a run: its measures with further plain data, its trace and its weights.
 
         Traces are those of the first axis, '<label>/<name>'; those of further
-        ones '<label>/<name>/<axis>'.
+        ones '<label>/<name>/<axis>'. When which limit of a joint was met is in
+        '<label>/limited/<row>'.
 
         Args:
             label: Name of the run, unique in the outcome.
@@ -45,6 +46,10 @@ class Outcome:
                     self.arrays[f"{label}/{name}"] = _thinned(values)
                 elif run.log[name].ndim == 2:
                     self.arrays[f"{label}/{name}/{axis}"] = _thinned(values)
+        for row, when in run.limited.items():
+            # a sample stands for the ticks up to the next one
+            starts = np.arange(0, len(when), TRACE_STEP)
+            self.arrays[f"{label}/limited/{row}"] = np.logical_or.reduceat(when, starts)
         self.arrays[f"{label}/weights"] = run.feedforward.weights
 
 

@@ -230,7 +230,7 @@ def _bound_sentence(stable: Result, frictionless: Result | None) -> str:
     above = told & (observed[:count] > predicted[:count])
     sentence = (
         f"In the first {count} iterations {above.sum()} of {told.sum()} harmonics left more than "
-        "was predicted at most. The prediction is for a linear loop and each harmonic alone; "
+        "a linear loop would have, each harmonic alone: that is no bound, "
         "friction turns an error of one harmonic into some of the others."
     )
     if frictionless is not None:
@@ -257,9 +257,9 @@ def _contraction(stable: Result) -> Table:
     head = ["harmonic", "Hz", f"plain sum, from iteration {count - 1}"]
     return Table(
         "Share of an error that an iteration leaves, by harmonic: what the plain sum would leave "
-        "by the estimated loop; and, for each iteration of the stable rule, predicted at most "
-        "(within two standard deviations of gain and delay, learning gain included) / observed "
-        "(– above the bandwidth, or where the feedback was too small to tell)",
+        "by the estimated loop; and, for each iteration of the stable rule, predicted if it "
+        "were linear (the most within two standard deviations of gain and delay, learning gain "
+        "included) / observed (– above the bandwidth, or where the feedback was too small to tell)",
         [*head, *(f"{i} to {i + 1}" for i in range(count))],
         rows,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from tsd_casadi.learning.axis_error import unit_of_axis
@@ -32,6 +32,7 @@ class Curve:
         peak_error: [m, rad]; None of a run that fell.
         style: Key of ``STYLES``.
         axis: 'task.axis'.
+        limited: When a joint was at or past a limit, (N,) by row; see ``Run.limited``.
     """
 
     legend: str
@@ -39,6 +40,7 @@ class Curve:
     peak_error: float | None
     style: str
     axis: str = "com.z"
+    limited: Mapping[str, Vector] = field(default_factory=dict)
 
     @classmethod
     def stored(cls, legend: str, result: Result, label: str, style: str) -> Curve:
@@ -47,10 +49,17 @@ class Curve:
         row = result.row(label)
         axis = row["axes"][0]
         peak = row[f"peak_error_{unit_of_axis(axis)}"]
-        return cls(legend, signals, peak, style, axis)
+        start = f"{label}/limited/"
+        limited = {
+            name.removeprefix(start): values
+            for name, values in result.arrays.items()
+            if name.startswith(start)
+        }
+        return cls(legend, signals, peak, style, axis, limited)
 
     @classmethod
     def of(cls, legend: str, run: Run, style: str) -> Curve:
         """Take the log of a run along its first axis."""
         axis = run.axes[0]
-        return cls(legend, signals_of(run, axis), run.errors[axis].peak, style, axis)
+        signals = signals_of(run, axis)
+        return cls(legend, signals, run.errors[axis].peak, style, axis, run.limited)

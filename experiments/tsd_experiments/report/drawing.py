@@ -29,10 +29,19 @@ def name_of(axis: str) -> str:
 def draw_tracking(curves: Sequence[Curve], title: str) -> Any:
     """Draw position, error, and the error close up (cog_err and gen_cog_err of the paper).
 
+    Where joints met their limits a last panel says which ones, and when.
+
     Args:
         curves: The first one is left out of the close view.
     """
-    figure, (top, middle, bottom) = plt.subplots(3, 1, figsize=(8, 7), sharex=True)
+    limits = sorted({row for curve in curves for row in curve.limited})
+    height = 0.5 + 0.25 * len(limits)
+    heights = (2.2, 2.2, 2.2, height) if limits else (2.2, 2.2, 2.2)
+    figure, (top, middle, bottom, *last) = plt.subplots(
+        len(heights), 1, figsize=(8, 0.4 + sum(heights)), sharex=True, height_ratios=heights
+    )
+    for axes in last:
+        _mark_limits(axes, curves, limits)
     for curve in curves:
         style, signals = STYLES[curve.style], curve.signals
         time, error = signals["time"], signals["error"]
@@ -42,7 +51,7 @@ def draw_tracking(curves: Sequence[Curve], title: str) -> Any:
     first = curves[0].signals
     top.plot(first["time"], first["reference"], label="reference", **STYLES["reference"])
     start = float(first["time"][np.argmax(first["lap"] >= 0)])
-    for axes in (top, middle, bottom):
+    for axes in (top, middle, bottom, *last):
         axes.axvline(start, color="black", linestyle=":", linewidth=1)
         axes.grid(alpha=0.3)
     unit = unit_of_axis(curves[0].axis)
@@ -52,8 +61,25 @@ def draw_tracking(curves: Sequence[Curve], title: str) -> Any:
     top.set(ylabel=f"{name_of(curves[0].axis)} about its middle [{unit}]", title=title)
     middle.set_ylabel(f"error [m{unit}]")
     bound = 2e3 * max(curve.peak_error or 0.0 for curve in curves[1:])
-    bottom.set(ylabel=f"error, close [m{unit}]", ylim=(-bound, bound), xlabel="time [s]")
+    bottom.set(ylabel=f"error, close [m{unit}]", ylim=(-bound, bound))
+    (last or [bottom])[-1].set_xlabel("time [s]")
     return finish(figure)
+
+
+def _mark_limits(axes: Any, curves: Sequence[Curve], limits: Sequence[str]) -> None:
+    """Draw a bar wherever a joint was at or past a limit, a line of bars for each limit."""
+    share = 0.8 / len(curves)
+    for place, curve in enumerate(curves):
+        time, color = curve.signals["time"], STYLES[curve.style]["color"]
+        for line, row in enumerate(limits):
+            if row in curve.limited:
+                low = line - 0.4 + place * share
+                when = curve.limited[row].astype(bool)
+                axes.fill_between(
+                    time, low, low + share, where=when, step="post", color=color, linewidth=0.5
+                )
+    axes.set_yticks(range(len(limits)), limits, fontsize=7)
+    axes.set_ylim(len(limits) - 0.5, -0.5)
 
 
 def draw_errors(panels: Sequence[tuple[str, Sequence[Curve]]], shared: bool = True) -> Any:

@@ -28,6 +28,8 @@ enum status {
 
 /* beside DAQP's: solved, but a limit does not hold */
 #define PASSED (-100)
+/* the equalities are too large for their squares */
+#define NOT_REPRESENTABLE (-101)
 
 struct tick {
   double lower_accepted[N_REQUEST], upper_accepted[N_REQUEST];
@@ -35,7 +37,7 @@ struct tick {
   double H_qdd[N_V * N_V], H_lambda[N_X - N_V], g[N_X], A[N_GENERAL * N_X];
   double lower[N_ROWS], upper[N_ROWS];
   double h_a[N_TAU], error[N_ERROR], feedback[N_ERROR];
-  double J[N_J * N_V], W_q[N_V], qdd_des[N_V];
+  double J[N_J * N_V], level[N_J], W_q[N_V], qdd_des[N_V];
   struct joint_limits limits;
   const double* arguments[SZ_ARG];
   double* results[SZ_RES];
@@ -44,6 +46,7 @@ struct tick {
 
   struct posture_work posture;
   struct elimination reduced;
+  struct conflict_work conflict;
   double x[N_X], rows[N_GENERAL];
   double least[N_TAU], most[N_TAU]; /* bounds of the joints that did not yield */
   DAQPProblem problem;
@@ -72,8 +75,7 @@ struct tick* tick_create(const double* lower_accepted, const double* upper_accep
   memcpy(t->upper_accepted, upper_accepted, sizeof t->upper_accepted);
 
   /* no H and no f: the rows come in the metric of the cost */
-  t->problem = (DAQPProblem){.n = N_Y,
-                             .m = N_REDUCED,
+  t->problem = (DAQPProblem){.m = N_REDUCED,
                              .A = t->reduced.A,
                              .bupper = t->reduced.upper,
                              .blower = t->reduced.lower};
@@ -83,13 +85,12 @@ struct tick* tick_create(const double* lower_accepted, const double* upper_accep
 
   DAQPWorkspace* work = &t->work;
   work->settings = &t->settings;
-  allocate_daqp_workspace(work, N_Y, N_TAU); /* joints may be soft */
+  allocate_daqp_workspace(work, MOST_Y, N_TAU); /* joints may be soft */
   work->qp = &t->problem;
-  work->n = N_Y;
   work->m = N_REDUCED;
   work->ms = 0;
   work->scaling = malloc(N_REDUCED * sizeof(double));
-  work->M = malloc(N_REDUCED * N_Y * sizeof(double));
+  work->M = malloc(N_REDUCED * MOST_Y * sizeof(double));
   work->dupper = malloc(N_REDUCED * sizeof(double));
   work->dlower = malloc(N_REDUCED * sizeof(double));
   work->sense = malloc(N_REDUCED * sizeof(int));
@@ -134,7 +135,7 @@ static int all_finite(const double* x, int n) {
 /* Returns 0, or -1 if the data are not finite. */
 static int evaluate_data(struct tick* t, const double* request) {
   double* results[] = {t->H_qdd, t->H_lambda, t->g,        t->A, t->lower, t->upper,
-                       t->h_a,   t->error,    t->feedback, t->J, t->W_q,   t->qdd_des,
+                       t->h_a,   t->error,    t->feedback, t->J, t->level, t->W_q, t->qdd_des,
                        t->limits.velocity_lower,  t->limits.velocity_upper,
                        t->limits.position_lower,  t->limits.position_upper};
   t->arguments[0] = request;
@@ -143,7 +144,7 @@ static int evaluate_data(struct tick* t, const double* request) {
   if (!(all_finite(t->A, N_GENERAL * N_X) && all_finite(t->lower, N_ROWS) &&
         all_finite(t->upper, N_ROWS) && all_finite(t->h_a, N_TAU)))
     return -1;
-  if (add_posture(t->J, t->W_q, t->qdd_des, &t->posture, t->H_qdd, t->g)) return -1;
+  if (add_posture(t->J, t->level, t->W_q, t->qdd_des, &t->posture, t->H_qdd, t->g)) return -1;
   return all_finite(t->H_qdd, N_V * N_V) && all_finite(t->g, N_X) ? 0 : -1;
 }
 
@@ -177,6 +178,8 @@ static enum status status_of(int flag) {
     case EXIT_NONCONVEX:
     case EXIT_UNBOUNDED:
       return STATUS_SINGULAR;
+    case NOT_REPRESENTABLE:
+      return STATUS_NOT_FINITE;
     default: /* cycling and the limit itself */
       return STATUS_ITERATION_LIMIT;
   }
@@ -188,6 +191,7 @@ static int is_narrower(const struct tick* t, int i) {
 
 /* The reduced problem for DAQP. What asks more of a joint than least and most is soft. */
 static int prepare_inequalities(struct tick* t) {
+  t->problem.n = t->work.n = t->reduced.n_y;
   /* the cost is scale^2 |u|^2 / 2 */
   t->settings.rho_soft = t->reduced.scale * t->reduced.scale / YIELDING_WEIGHT;
   /* DAQP leaves the scaling of zero rows unwritten */
@@ -204,13 +208,13 @@ static int prepare_inequalities(struct tick* t) {
  * the edges of their cones make them nearly dependent: without this step the
  * rounding that gathers can exceed LIMIT_TOLERANCE. */
 static void refine(DAQPWorkspace* work) {
-  const int n = work->n_active;
-  double r[N_Y + N_TAU + 1];
+  const int n = work->n_active, n_y = work->n;
+  double r[MOST_Y + N_TAU + 1];
   for (int i = 0; i < n; i++) {
     const int row = work->WS[i];
-    const double* m = work->M + row * N_Y;
+    const double* m = work->M + row * n_y;
     r[i] = (work->sense[row] & LOWER) ? work->dlower[row] : work->dupper[row];
-    for (int j = 0; j < N_Y; j++) r[i] -= m[j] * work->u[j];
+    for (int j = 0; j < n_y; j++) r[i] -= m[j] * work->u[j];
     if (work->sense[row] & SOFT) /* what it lacks, in DAQP's scale of the row */
       r[i] += work->settings->rho_soft * work->scaling[row] * work->scaling[row] * work->lam_star[i];
     for (int j = 0; j < i; j++) r[i] -= work->L[ARSUM(i) + j] * r[j];
@@ -218,7 +222,7 @@ static void refine(DAQPWorkspace* work) {
   for (int i = n - 1; i >= 0; i--) {
     r[i] /= work->D[i];
     for (int k = i + 1; k < n; k++) r[i] -= work->L[ARSUM(k) + i] * r[k];
-    add_multiple(N_Y, r[i], work->M + work->WS[i] * N_Y, work->u);
+    add_multiple(n_y, r[i], work->M + work->WS[i] * n_y, work->u);
     work->lam_star[i] -= r[i]; /* u = -M^T lam_star */
   }
 }
@@ -291,7 +295,8 @@ static int solve_in_order(struct tick* t, const double* request) {
   return flag;
 }
 
-static void fill_solution(const struct tick* t, int n_active, double* reply) {
+static void fill_solution(const struct tick* t, const double* request, int n_active,
+                          double* reply) {
   for (int i = 0; i < N_TAU; i++)
     reply[REPLY_TAU + i] = t->h_a[i] + t->rows[N_GENERAL - N_TAU + i];
   memcpy(reply + REPLY_QDD, t->x, N_V * sizeof(double));
@@ -299,7 +304,7 @@ static void fill_solution(const struct tick* t, int n_active, double* reply) {
   for (int i = 0; i < N_FORCE_PLACES; i++)
     reply[REPLY_WRENCHES + force_places[i]] = t->x[N_V + i];
   double* active = reply + REPLY_ACTIVE;
-  for (int i = 0; i < N_EQUALITIES; i++) active[N_V + i] = 2.0;
+  for (int i = 0; i < N_EQUALITIES; i++) active[N_V + i] = t->reduced.dependent[i] ? 9.0 : 2.0;
   for (int i = 0; i < n_active; i++) {
     const int row = t->work.WS[i];
     const int named = row < N_TAU ? N_V - N_TAU + row : N_V + N_EQUALITIES + row - N_TAU;
@@ -307,8 +312,12 @@ static void fill_solution(const struct tick* t, int n_active, double* reply) {
   }
   for (int i = 0; i < N_TAU; i++) {
     const int row = N_V - N_TAU + i;
-    active[row] =
-        state_of_joint(&t->limits, i, t->x[row], t->lower[row], t->upper[row], active[row]);
+    active[row] = state_of_joint(&t->limits, request, i, t->x[row], t->lower[row],
+                                 t->upper[row], active[row]);
+    double* torque = active + N_ROWS - N_TAU + i;
+    *torque = state_of_torque(*torque, request[REQUEST_V + row], request[REQUEST_TORQUE + i],
+                              request[REQUEST_STALL_TORQUE + i],
+                              request[REQUEST_NO_LOAD_SPEED + i]);
   }
 }
 
@@ -337,7 +346,7 @@ int tick_run(struct tick* t, const double* request, double* reply) {
   double factorized = evaluated;
   int n_active = 0;
   if (finite) {
-    int flag = EXIT_OVERDETERMINED_INITIAL;
+    int flag = NOT_REPRESENTABLE;
     if (eliminate(t->A, t->lower + N_V, &t->reduced) == 0) {
       reduce_cost(t->H_qdd, t->H_lambda, t->g, &t->reduced);
       flag = EXIT_NONCONVEX;
@@ -359,9 +368,12 @@ int tick_run(struct tick* t, const double* request, double* reply) {
       n_active = t->work.n_active;
     }
     status = status_of(flag);
+    if (flag == EXIT_INFEASIBLE && request[REQUEST_EXPLAIN])
+      find_conflict(t->reduced.n_y, t->reduced.x_0, t->reduced.Z, t->A, t->lower, t->upper, &t->conflict,
+                    reply + REPLY_CONFLICT);
   }
   if (status == STATUS_OK) {
-    fill_solution(t, n_active, reply);
+    fill_solution(t, request, n_active, reply);
     if (!all_finite(reply + REPLY_TAU, N_TAU + N_V + N_WRENCHES)) status = STATUS_NOT_FINITE;
   }
   const double solved = microseconds();

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.learning.comparison import is_worse
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.iteration import Iteration
 from tsd_casadi.learning.iterative_learning import update_weights
@@ -22,13 +23,14 @@ class Guarded:
     name: ClassVar[RuleName] = "guarded"
     patience: ClassVar[int | None] = None
     is_by_harmonic: ClassVar[bool] = False
+    compares: ClassVar[bool] = True
 
     def check(self, recording: Recording) -> None:
         """Take every recording."""
 
     def goes_on_from(self, tested: Iteration, best: Iteration) -> bool:
-        """Go on from what is no worse than the best only."""
-        return tested.error <= best.error
+        """Go on from what is no worse than the best, beyond noise."""
+        return not is_worse(tested, best)
 
     def gain_after(self, gain: float, goes_on: bool) -> float:
         """Halve it after a worse one: the sum would overshoot again."""
@@ -46,5 +48,5 @@ class Guarded:
         return update_weights(tests[-1].weights, feedback, gain)
 
     def served(self, newest: Iteration, best: Iteration) -> Iteration:
-        """Serve the newest while it is untested, else the best."""
-        return newest if newest.errors is None else best
+        """Serve the newest, unless it proved worse than the best."""
+        return best if newest.errors is not None and is_worse(newest, best) else newest

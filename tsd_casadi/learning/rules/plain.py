@@ -22,6 +22,7 @@ class Plain:
     name: ClassVar[RuleName] = "plain"
     patience: ClassVar[int | None] = None
     is_by_harmonic: ClassVar[bool] = False
+    compares: ClassVar[bool] = False
 
     def check(self, recording: Recording) -> None:
         """Take every recording."""

@@ -34,6 +34,10 @@ class Rule(Protocol):
     def is_by_harmonic(self) -> bool:
         """Whether it decides harmonic by harmonic what is learned."""
 
+    @property
+    def compares(self) -> bool:
+        """Whether it goes by how iterations did, and by how much of that is noise."""
+
     def check(self, recording: Recording) -> None:
         """Refuse what cannot be learned from by this rule.
 
@@ -45,7 +49,7 @@ class Rule(Protocol):
         """Say whether to learn from the repetition that has just tested an iteration.
 
         Args:
-            tested: Has errors now.
+            tested: Has errors now; worse than the best is only what noise does not explain.
             best: Has the smallest error at these gains, perhaps the same one.
         """
 

@@ -114,8 +114,8 @@ class BorrowedFeedforward(Experiment):
         if times and after:
             found.append(
                 f"What it dropped it dropped {min(times):.2f} to {max(times):.2f} laps after the "
-                f"motion began; its RMS error is then {min(after):.2f} to {max(after):.2f} times "
-                "that without feedforward."
+                "motion began (below 0: standing before it); its RMS error is then "
+                f"{min(after):.2f} to {max(after):.2f} times that without feedforward."
             )
         world, case = next(iter(self._worlds.items()))
         flipped = next(each for each in self._donors if each.name == "sign flipped")
@@ -128,7 +128,8 @@ class BorrowedFeedforward(Experiment):
             found=found,
             tables=[
                 Table(
-                    "RMS error over steady laps [mm]; 'dropped' in laps after the motion began",
+                    "RMS error over steady laps [mm]; 'dropped' in laps after the motion began, "
+                    "below 0 while standing before it",
                     ["used in", "borrowed", "none", "ungated", "gated", "dropped", "decision"],
                     [each.cells() for each in verdicts],
                 )

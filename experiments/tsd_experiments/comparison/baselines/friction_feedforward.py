@@ -7,7 +7,8 @@ import pinocchio
 
 from tsd_casadi.identification.observations import Friction
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
-from tsd_casadi.robot.robot_file_sections import FRAME_AXES, ComTaskFile
+from tsd_casadi.robot.robot_file_sections import FRAME_AXES
+from tsd_casadi.robot.robot_file_tasks import ComTaskFile
 from tsd_casadi.state import Matrix, Vector
 
 

@@ -1,0 +1,1 @@
+"""Learning on a robot that shakes, and on one that is not the same tomorrow."""

@@ -1,0 +1,75 @@
+"""Iterations by epoch: those since the robot changed last, and those before."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from tsd_casadi.learning.iteration import Iteration
+from tsd_casadi.learning.robot_change import Observation
+
+
+def newest_epoch(iterations: Sequence[Iteration]) -> int:
+    """Tell how often the robot has changed since the first iteration."""
+    return max((item.epoch for item in iterations), default=0)
+
+
+def since_change(iterations: Sequence[Iteration]) -> list[Iteration]:
+    """List the iterations of the newest epoch, in their order."""
+    epoch = newest_epoch(iterations)
+    return [item for item in iterations if item.epoch == epoch]
+
+
+def shows_change(
+    iterations: Sequence[Iteration], used: Iteration, seen: Observation, gains: Mapping[str, Any]
+) -> bool:
+    """Say whether a repetition cannot be one of the robot of the newest epoch.
+
+    Args:
+        used: The iteration that it used, tested before or not.
+        seen: What it showed.
+        gains: At which it was made; at others robots of all kinds do otherwise.
+    """
+    if used.errors is not None:
+        return used.gains == gains and seen.differs_from_test(used)
+    parents = [item for item in since_change(iterations) if item.number == used.learned_from]
+    return any(item.gains == gains and seen.differs_from_parent(item) for item in parents)
+
+
+def recall(
+    iterations: Sequence[Iteration], seen: Observation, gains: Mapping[str, Any]
+) -> Iteration | None:
+    """Find the best iteration of an earlier epoch in which the robot was as it is now.
+
+    Args:
+        seen: What the repetition showed with which the newest epoch begins.
+        gains: At which it was made.
+    """
+    newest = newest_epoch(iterations)
+    best: dict[int, Iteration] = {}
+    for item in iterations:
+        # the robot has just stopped being that of the epoch before
+        if item.epoch < newest - 1 and item.gains == gains:
+            known = best.get(item.epoch)
+            best[item.epoch] = item if known is None or item.error < known.error else known
+    nearest = min(best.values(), key=seen.distance_to, default=None)
+    return nearest if nearest is not None and seen.distance_to(nearest) <= 1 else None
+
+
+def about_change(used: Iteration, recalled: Iteration | None) -> str:
+    """Tell people that the robot is taken for another one from now on.
+
+    Args:
+        used: The first iteration of the new epoch.
+        recalled: What is taken again, if anything.
+    """
+    start = (
+        f"this is not the robot of before: iteration {used.number} left what neither noise nor "
+        f"learning explains. Epoch {used.epoch} starts from it"
+    )
+    if recalled is None:
+        return f"{start}; errors of before count no more, the learning gain is 1 again"
+    return (
+        f"{start}; it is as in epoch {recalled.epoch}, of which iteration {recalled.number} is "
+        "taken again"
+    )
