@@ -122,7 +122,7 @@ def measure(name: str, ticks: int, seconds: float) -> None:
     rows: list[tuple[int, int, int]] = []
     undecided = 0
     while len(rows) + undecided < ticks:
-        program = problem.evaluate(spoiled_request(problem, rng))
+        program = problem.evaluate(spoiled_request(problem, rng)[0])
         reduced = reduce_rows(program, problem.nv, problem.n_equalities)
         conflict = find_conflict(reduced)
         if conflict is None:

@@ -32,8 +32,8 @@ class Feedforward:
         parameters: Of the motion that it is meant for, SI units.
         provenance: Where it comes from, plain data.
         declaration: What is said of the motion; None if nobody did.
-        bands: That are meant to hold what would be learned; none for what was.
         bound: What it was bounded by; None if nobody did.
+        bands: That are meant to hold what would be learned; none for what was.
     """
 
     axes: tuple[str, ...]
@@ -44,8 +44,8 @@ class Feedforward:
     parameters: dict[str, float] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
     declaration: Declaration | None = None
-    bands: tuple[Band, ...] = ()
     bound: Bound | None = None
+    bands: tuple[Band, ...] = ()
 
     def __repr__(self) -> str:
         """Say along what, of which kind and for which parameters."""

@@ -62,6 +62,5 @@ def check_served(feedforward: Feedforward, robot: Robot, motion: Motion) -> None
                 unit = unit_of_axis(axis)
                 raise IncompatibleEntry(
                     f"the feedforward served reaches {value:.3g} {unit}/s^2 along {axis}, more "
-                    f"than {limit:.3g}, {each.reason}; forget the entry, or look at what was "
-                    "recorded"
+                    f"than {limit:.3g}, {each.reason}; forget the entry or see what was recorded"
                 )

@@ -152,8 +152,8 @@ class FeedforwardMessage(Message):
             others=provenance.get("others", 0),
             epoch=provenance.get("epoch", 0),
             declaration=DeclarationMessage.of(declaration) if declaration.parameters else None,
-            bands=[BandMessage.of(band) for band in feedforward.bands] or None,
             bound=None if feedforward.bound is None else BoundMessage(**asdict(feedforward.bound)),
+            bands=[BandMessage.of(band) for band in feedforward.bands] or None,
             provenance=provenance,
         )
 
@@ -189,6 +189,6 @@ class FeedforwardMessage(Message):
             # a client looks at it again
             provenance={**self.provenance, "robot": self.robot},
             declaration=declaration,
-            bands=tuple(band.band(shape) for band in self.bands or ()),
             bound=None if self.bound is None else self.bound.bound(len(axes)),
+            bands=tuple(band.band(shape) for band in self.bands or ()),
         )
