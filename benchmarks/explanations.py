@@ -35,7 +35,9 @@ class Undecided(Exception):
 KINDS = ("weak joints", "one weak joint", "pressing feet", "slippery soles", "slow joints")
 
 
-def spoiled_request(problem: InverseDynamics, rng: np.random.Generator) -> Vector:
+def spoiled_request(
+    problem: InverseDynamics, rng: np.random.Generator
+) -> tuple[Vector, frozenset[str]]:
     """Make a request that has a good chance of being infeasible, for one to three reasons."""
     robot, command = problem.robot, Command(problem.request)
     command["q"][7:] += rng.normal(scale=0.1, size=robot.n)
@@ -43,7 +45,8 @@ def spoiled_request(problem: InverseDynamics, rng: np.random.Generator) -> Vecto
     # they yield before anything is infeasible
     command["limits.position_active"] = command["limits.velocity_active"] = 0.0
     names = [contact.name for contact in problem.contacts]
-    for kind in rng.permutation(KINDS)[: rng.integers(1, 4)]:
+    reasons = rng.permutation(KINDS)[: rng.integers(1, 4)]
+    for kind in reasons:
         if kind == "weak joints":
             command["limits.torque"] *= rng.uniform(0, 0.3)
         elif kind == "one weak joint":
@@ -58,7 +61,7 @@ def spoiled_request(problem: InverseDynamics, rng: np.random.Generator) -> Vecto
                     command[f"{name}.extents"] *= rng.uniform(0, 0.1)
         else:
             command["limits.acceleration"] = rng.uniform(0, 3)
-    return command.request
+    return command.request, frozenset(reasons.tolist())
 
 
 def can_hold(reduced: ReducedRows, places: Indices) -> bool:
@@ -146,15 +149,19 @@ def measure(name: str, ticks: int, checked: int) -> None:
     controller, problem = compile_controller(robot), InverseDynamics(robot)
     rng, asked, same = np.random.default_rng(0), 0, 0
     replied, defined = Tally(), Tally()
+    alone = {kind: [0, 0] for kind in KINDS}
     explained, time = problem.request.slice("explain"), controller.format.reply.slice("solve_time")
     while len(defined.rows) < ticks:
         asked += 1
-        request = spoiled_request(problem, rng)
+        request, reasons = spoiled_request(problem, rng)
         program = problem.evaluate(request)
         before = perf_counter()
         reduced = reduce_rows(program, problem.nv, problem.n_equalities)
         conflict = find_conflict(reduced)
         elapsed = 1e6 * (perf_counter() - before)
+        if len(reasons) == 1:
+            (reason,) = reasons
+            alone[reason][conflict is not None] += 1
         silent = controller.run(request)[time][0]
         request[explained] = 1.0
         tick = Tick(controller.format, controller.run(request))
@@ -170,6 +177,8 @@ def measure(name: str, ticks: int, checked: int) -> None:
     replied.show("in the reply", min(checked, ticks))
     defined.show("tsd explain", min(checked, ticks))
     print(f"the same set: {same}")
+    for kind, (feasible, infeasible) in alone.items():
+        print(f"{kind} alone: {infeasible} of {feasible + infeasible} ticks infeasible")
 
 
 def main() -> None:

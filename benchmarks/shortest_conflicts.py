@@ -7,7 +7,7 @@ rows are given up, every set that cannot hold has one of these (or it could). So
 is shorter than the fewest rows of which each such collection has one; and where those
 cannot hold together, they are the shortest set (implicit hitting sets: Ignatiev, Previti,
 Liffiton and Marques-Silva, Smallest MUS Extraction with Minimal Hitting Set
-Dualization, CP 2015). Elastic linear programs with random weights find collections.
+Dualisation, CP 2015). Elastic linear programs with random weights find collections.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ def measure(name: str, ticks: int, seconds: float) -> None:
     rows: list[tuple[int, int, int]] = []
     undecided = 0
     while len(rows) + undecided < ticks:
-        program = problem.evaluate(spoiled_request(problem, rng))
+        program = problem.evaluate(spoiled_request(problem, rng)[0])
         reduced = reduce_rows(program, problem.nv, problem.n_equalities)
         conflict = find_conflict(reduced)
         if conflict is None:

@@ -250,7 +250,11 @@ With the centres c_j, the width h and the weights w of a reply, the feedforward 
 
 along each of `axes` [unit/s^2], to be added to the task's reference acceleration. Rotations are
 about world axes, as rotation vectors. With `standard_deviations` in place of the weights it is the
-predictive standard deviation at phi. JSON schema:
+predictive standard deviation at phi. A generalised term has two `bands`: with `half_width` in
+place of the weights the pointwise one is twice that deviation at phi, the simultaneous one half
+the width of a band for whole laps. `disagreeing` of its `provenance` names entries that were left
+out since the others contradict them: `entry`, `parameters` and by how many standard `deviations`.
+JSON schema:
 
 ```json
 {json_schema(FeedforwardMessage)}

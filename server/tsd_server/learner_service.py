@@ -71,7 +71,8 @@ class LearnerService:
         self._listing = Reading(path, kept)
         self._answers = FeedforwardAnswers(path, kept)
         # the first regression would wait seconds for it
-        importlib.import_module("sklearn.gaussian_process")
+        importlib.import_module("scipy.optimize")
+        importlib.import_module("scipy.stats")
         self._service = Service("learner", ANY_ROBOT, place, subject=str(path.resolve()))
 
     def run(self) -> None:

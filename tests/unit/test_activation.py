@@ -139,8 +139,9 @@ def test_torques_follow_a_level_without_a_jump(
     tau = np.array([torques(controller, command, task, level) for level in every])
     span = np.ptp(tau, axis=0).max()
     steps = np.abs(np.diff(tau, axis=0)).max(axis=1)
-    # along a free axis the weights' steepest slope is 1.9; others share it unevenly
-    assert steps.max() <= 8 * span / STEPS + 1e-9
+    # along a free axis the steepest slope is 1.9 times the mean; of 900 postures of all robots
+    # that were looked at it was 10 times at most, and half of them 2.2. A jump is STEPS times.
+    assert steps.max() <= 25 * span / STEPS + 1e-9
     # no jump at the ends, where rows come and go
     for end, near in ((0.0, 1e-7), (1.0, 1 - 1e-7)):
         away = torques(controller, command, task, near) - torques(controller, command, task, end)

@@ -291,7 +291,7 @@ def test_a_rotation_on_a_robot_without_that_task_is_refused_before_anything_star
 ) -> None:
     plant = Mass(robot)
     with_com = [task for task in robot.description.tasks if task.type == "com"]
-    description = robot.description.model_copy(update={"tasks": with_com})
+    description = robot.description.model_copy(update={"all_tasks": with_com})
     monkeypatch.setattr(robot, "description", description)
     with pytest.raises(InvalidValue, match=r"a frame task with axis rz among com \(x y z\)"):
         repeat(plant, controller, Twist(0.1, 0.5))
@@ -394,6 +394,31 @@ def test_learning_takes_every_axis_error_off(
         assert asked["context"] == entry.key.context
     declared = memory.recorded[0].declaration
     assert declared == motion.declaration()
+
+
+def test_a_load_is_said_and_patience_begins_again(robot: Robot, controller: Desired) -> None:
+    class Loaded(Mass):
+        def start(self, posture: State, seed: int = 0) -> None:
+            super().start(posture, seed)
+            if len(self.started) == 3:
+                self.bias = np.array([0.1, -0.2, -0.5])
+
+    said: list[list[str]] = []
+    runs = learn(
+        Loaded(robot),
+        controller,
+        [Squat(0.02, 0.25)],
+        Memory(),
+        iterations=5,
+        patience=2,
+        rule="guarded",
+        on_run=lambda _, notes: said.append(notes),
+    )
+    told = [any("not the robot of before" in note for note in notes) for notes in said]
+    assert told == [False, False, True, False, False, False]
+    # as good as on the robot of before, which alone would have used up the patience
+    before, after = (runs[index].errors["com.z"].rms for index in (1, 5))
+    assert after < before
 
 
 def test_an_entry_of_fewer_axes_serves_a_run_of_more_and_it_is_said(

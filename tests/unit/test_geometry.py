@@ -177,7 +177,7 @@ def test_an_mjcf_has_shapes_too(tmp_path: Path) -> None:
     path = tmp_path / "box.xml"
     path.write_text(MJCF)
     fields = ("locked", "effort", "velocity", "position", "links")
-    file: Any = SimpleNamespace(**{field: {} for field in fields}, contacts=(), tasks=())
+    file: Any = SimpleNamespace(**{field: {} for field in fields}, contacts=(), all_tasks=())
     bodies = RigidBodyModel(tmp_path / "box.yaml", file, read_description(path, "mjcf"))
     geometry = load_geometry(bodies, "collision")
     assert geometry.missing == ("gone.obj",)

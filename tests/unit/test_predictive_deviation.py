@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import norm
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.generalization.predictive_deviation import (
+    band_factor,
     deviation_scale,
     lap,
     leave_one_out,
@@ -42,49 +42,78 @@ def test_leave_one_out_of_unrelated_targets_is_the_targets() -> None:
 
 
 def test_scale_is_the_rms_of_residuals_that_are_alike_everywhere() -> None:
-    residuals = np.stack([np.full((1, BASIS.L), value) for value in (0.3, -0.3, 0.3, 0.3)])
-    scale = deviation_scale(BASIS, residuals)
-    np.testing.assert_allclose(scale, 0.3 * student_factor(4), rtol=1e-12)
+    for size in (0.3, 1.0, 3.0):
+        residuals = np.stack([np.full((1, BASIS.L), size * sign) for sign in (1, -1) * 100])
+        scale = deviation_scale(BASIS, residuals, 1)
+        np.testing.assert_allclose(scale, size, rtol=0.05)
+
+
+def test_scale_of_few_entries_is_nearer_to_what_the_process_expects() -> None:
+    scales = [
+        deviation_scale(BASIS, np.full((n, 1, BASIS.L), 0.1), 1).mean() / student_factor(n, 1)
+        for n in (3, 10, 100)
+    ]
+    assert 1 > scales[0] > scales[1] > scales[2] > 0.1
 
 
 def test_scale_is_larger_where_the_residuals_are() -> None:
     rng = np.random.default_rng(0)
     magnitude = np.where(np.abs(BASIS.centers - np.pi) < 0.5, 1.0, 0.1)
     residuals = rng.normal(size=(12, 1, BASIS.L)) * magnitude
-    scale = deviation_scale(BASIS, residuals)[0]
+    scale = deviation_scale(BASIS, residuals, 2)[0]
     assert scale[magnitude == 1.0].min() > 1.2 * scale[magnitude < 1.0].max()
     # few entries: drawn towards the lap's mean, but not above the largest
     assert scale.min() > 0.1
-    assert scale.max() < 1.5 * student_factor(12)
+    assert scale.max() < 1.5 * student_factor(12, 2)
 
 
 def test_axes_do_not_mix() -> None:
     rng = np.random.default_rng(1)
     one, other = rng.normal(size=(2, 6, 1, BASIS.L))
-    both = deviation_scale(BASIS, np.concatenate([one, other], axis=1))
-    np.testing.assert_allclose(both[:1], deviation_scale(BASIS, one))
-    np.testing.assert_allclose(both[1:], deviation_scale(BASIS, other))
+    together = np.concatenate([one, 3 * other], axis=1)
+    both = deviation_scale(BASIS, together, 2)
+    np.testing.assert_allclose(both[:1], deviation_scale(BASIS, one, 2))
+    np.testing.assert_allclose(both[1:], deviation_scale(BASIS, 3 * other, 2))
+    factors = band_factor(BASIS, together, both, 2)
+    assert factors[1] == pytest.approx(band_factor(BASIS, 3 * other, both[1:], 2)[0])
 
 
-@settings(max_examples=settings.default.max_examples // 5)
-@given(factor=st.floats(1e-6, 1e6), seed=st.integers(0, 100))
-def test_scale_has_the_unit_of_the_residuals(factor: float, seed: int) -> None:
-    residuals = np.random.default_rng(seed).normal(size=(5, 2, BASIS.L))
-    expected = factor * deviation_scale(BASIS, residuals)
-    np.testing.assert_allclose(deviation_scale(BASIS, factor * residuals), expected, rtol=1e-9)
-
-
-@pytest.mark.parametrize("n", [3, 5, 12])
-def test_student_factor_covers_a_normal_sample_of_unknown_deviation(n: int) -> None:
-    rng = np.random.default_rng(2)
-    sample, next_one = rng.normal(size=(200_000, n - 1)), rng.normal(size=200_000)
-    deviation = student_factor(n) * np.sqrt(np.mean(sample**2, axis=1))
-    covered = np.mean(np.abs(next_one) < 2 * deviation)
-    assert covered == pytest.approx(norm.cdf(2) - norm.cdf(-2), abs=2e-3)
+def test_the_factor_is_the_quantile_of_students_distribution() -> None:
+    # without an entry beyond those of a plane two numbers are left to tell the scale, with each
+    # further one four more: tables of Student's t at 97.725 %
+    assert 2 * student_factor(4, 3) == pytest.approx(4.527, rel=1e-3)
+    assert 2 * student_factor(4, 2) == pytest.approx(2.517, rel=1e-3)
+    assert 2 * student_factor(6, 3) == pytest.approx(2.284, rel=1e-3)
 
 
 def test_many_entries_need_no_factor() -> None:
-    assert student_factor(100_000) == pytest.approx(1.0, abs=1e-3)
+    assert student_factor(100_000, 3) == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("n", [6, 40])
+def test_the_band_holds_whole_smooth_curves(n: int) -> None:
+    """Of curves with the residuals' own distribution."""
+    rng = np.random.default_rng(3)
+    inside = []
+    for _ in range(40):
+        curves = rng.normal(size=(n + 20, 1, BASIS.L))
+        scale = deviation_scale(BASIS, curves[:n], 1)
+        half = band_factor(BASIS, curves[:n], scale, 1)[:, None] * scale
+        values = BASIS.values(lap(BASIS)).T
+        inside.append(np.all(np.abs(curves[n:] @ values) <= half @ values, axis=2))
+    assert np.mean(inside) >= 0.95
+
+
+def test_the_band_goes_as_far_as_whole_laps_went() -> None:
+    rng = np.random.default_rng(4)
+    residuals = rng.normal(size=(12, 1, BASIS.L))
+    scale = deviation_scale(BASIS, residuals, 1)
+    values = BASIS.values(lap(BASIS)).T
+    (calm,) = band_factor(BASIS, residuals, scale, 1)
+    residuals[7] *= 10
+    (factor,) = band_factor(BASIS, residuals, scale, 1)
+    assert factor == pytest.approx(np.max(np.abs(residuals @ values) / (scale @ values)))
+    assert factor > 2 * calm
 
 
 def test_a_lap_is_dense_and_does_not_repeat_its_start() -> None:

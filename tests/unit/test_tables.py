@@ -265,9 +265,9 @@ def test_a_list_says_how_many_more_there_are() -> None:
     assert "--limit" not in printed(lambda: print_entries(whole))
 
 
-def test_entries_are_listed_with_epoch_correction_and_true_error_where_they_are_known() -> None:
+def test_entries_are_listed_with_epoch_correction_scatter_and_true_error_where_known() -> None:
     plain = an_entry(0)
-    errors = error_messages({"com.z": AxisError(1.5e-3, true_rms=7.25e-3)})
+    errors = error_messages({"com.z": AxisError(1.5e-3, true_rms=7.25e-3, scatter=0.0123)})
     known = plain.model_copy(
         update={
             "context": ContextMessage(body="0123", formulation="fedc", correction="c0ffee99"),
@@ -277,6 +277,8 @@ def test_entries_are_listed_with_epoch_correction_and_true_error_where_they_are_
     text = printed(lambda: print_entries(DatabaseReply(database="d", entries=[plain, known])))
     (row,) = [line.split() for line in text.splitlines() if "c0ffee" in line]
     assert {"7.2500", "c0ffee", "3"} <= set(row)
+    # a narrow terminal says what it has no room for
+    assert "0.0123" in row or "repeats to m/s²" in text
     assert "true RMS" not in printed(
         lambda: print_entries(DatabaseReply(database="d", entries=[plain]))
     )

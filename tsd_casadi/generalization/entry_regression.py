@@ -17,15 +17,14 @@ from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.declaration import Declaration
 
 MINIMUM_ENTRIES = 2
-# along three axes a fit over so many takes 600 MB, over more a service would be at risk. The time
-# grows with the third power: 3 s for 100, 13 s for 200; it is spent once, the fit is kept
+# all of them are read and compared; beyond, a service would be at risk
 MOST_ENTRIES = 1_000
 # entries that an error names, the others are counted
 MOST_TOLD = 10
 # fits that are kept, one per group of entries
 KEPT_FITS = 32
 
-_Content = tuple[Declaration, tuple[str, ...], PeriodicBasis, bytes, bytes]
+_Content = tuple[Declaration, tuple[str, ...], PeriodicBasis, bytes, bytes, tuple[bytes, ...]]
 
 
 class EntryRegressions:
@@ -51,7 +50,8 @@ class EntryRegressions:
             extrapolate: Answer outside the learned range too.
 
         Returns:
-            The feedforward, with the entries used as its provenance.
+            The feedforward, with the entries used as its provenance, and those
+            that were left out since the others contradict them.
 
         Raises:
             EntryNotFound: If there are too few entries, they do not fit
@@ -80,18 +80,27 @@ class EntryRegressions:
                     f"generalised to {value:g} {unit}; learn some at other values of {name}"
                 )
         weights, deviations = regression.predict(wanted, extrapolate=extrapolate)
-        served = [entry.served for entry in others]
+        used = [each for i, each in enumerate(others) if i not in regression.disagreeing]
+        served = [entry.served for entry in used]
         provenance = {
-            "entries": [entry.identifier for entry in others],
-            "parameters": [dict(entry.key.parameters) for entry in others],
+            "entries": [entry.identifier for entry in used],
+            "disagreeing": [
+                {
+                    "entry": others[index].identifier,
+                    "parameters": dict(others[index].key.parameters),
+                    "deviations": round(off, 1),
+                }
+                for index, off in sorted(regression.disagreeing.items())
+            ],
+            "parameters": [dict(entry.key.parameters) for entry in used],
             "iterations": [iteration.number for iteration in served],
             "iteration": min(iteration.number for iteration in served),
             "errors": [
                 None if iteration.errors is None else plain_errors(iteration.errors)
                 for iteration in served
             ],
-            "gains": [entry.circumstances.gains for entry in others],
-            "kernel": regression.kernel,
+            "gains": [entry.circumstances.gains for entry in used],
+            "kernels": dict(zip(others[0].key.axes, regression.kernels, strict=True)),
             "length_scales": regression.length_scales,
             "calibration": regression.calibration,
             "axes": list(others[0].key.axes),
@@ -106,6 +115,7 @@ class EntryRegressions:
             parameters=wanted,
             provenance=provenance,
             declaration=declaration,
+            bands=regression.bands(deviations),
         )
 
     def over(self, declaration: Declaration, entries: Sequence[Entry]) -> WeightRegression:
@@ -122,10 +132,18 @@ class EntryRegressions:
         names = varied_parameters(entries)
         inputs = np.array([[each[name] for name in names] for each in parameters])
         weights = [entry.served.weights for entry in entries]
+        uncertainties = [entry.served.uncertainty for entry in entries]
         basis = entries[0].basis
-        content = declaration, names, basis, inputs.tobytes(), np.stack(weights).tobytes()
+        content = (
+            declaration,
+            names,
+            basis,
+            inputs.tobytes(),
+            np.stack(weights).tobytes(),
+            tuple(b"" if each is None else each.tobytes() for each in uncertainties),
+        )
         if content not in self._fits:
-            regression = WeightRegression(declaration, names, inputs, weights, basis)
+            regression = WeightRegression(declaration, names, inputs, weights, basis, uncertainties)
             if len(self._fits) >= KEPT_FITS:
                 self._fits.pop(next(iter(self._fits)))  # the oldest
             self._fits[content] = regression

@@ -2,47 +2,64 @@ r"""From parameters of a motion to weights by Gaussian process regression [gener
 
 .. math:: F_{D_b}: \kappa \mapsto w
 
-One process over all parameters that differ, shared by all weights: a
-Matern 5/2 kernel with a length scale for each parameter, and a little noise. It is
-less smooth than the usual squared exponential, as friction's steps over the phase
-move with the parameters. Magnitude and length scales are fitted once per database
-content; a query is a few matrix products.
+A process for each axis over all parameters that differ, shared by the weights of the
+axis: a trend of second degree and what is left of it, see ``kernel``. Parameters that
+cannot be negative count by their ratios unless that is clearly less probable. How much
+there is of what, the entries say; with a handful of them it is little more than a
+plane. Entries that the others contradict are left out and named.
 """
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
+from tsd_casadi.generalization.coordinates import Coordinates
+from tsd_casadi.generalization.disagreement import (
+    Processes,
+    distance,
+    limit,
+    without_disagreeing,
+)
+from tsd_casadi.generalization.gaussian_process import NEAREST, GaussianProcess, Indices
 from tsd_casadi.generalization.predictive_deviation import (
+    COVERED,
+    POINTS,
+    WHOLE_LAPS,
+    band_factor,
     deviation_scale,
     lap,
     leave_one_out,
     student_factor,
 )
+from tsd_casadi.learning.band import Band
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.state import Matrix, Vector
 
-# noise of learned weights, as a share of their variance: the most by which learning
-# the same once more with other sensor noise differs. It is not fitted, since a
-# dozen entries would have it make up for what the kernel cannot follow in a corner,
-# and all predictions would be believed to be that bad
-NOISE = 1e-4
+# hyperparameters are fitted to so many entries at most: a matter of seconds, and more entries
+# hardly change them
+FITTED = NEAREST
+# parameters that can count by their ratios do, unless straight the entries are more probable by a
+# factor of exp(3) for each weight. What was learned on the simulated hardware is within +-4 of
+# that logarithm, mostly in favour of ratios; weights that are a polynomial are at -46
+MUCH_MORE = 3.0
 
 
 class WeightRegression:
-    """Gaussian process over some parameters of a motion for all weights at once.
+    """Gaussian processes over some parameters of a motion for all weights at once.
 
     Attributes:
         declaration: What is said of the motion.
         names: Names of the parameters, d of them.
         low: Smallest learned value of each, (d,).
         high: Largest learned value of each, (d,).
+        disagreeing: By how many standard deviations entries are off that the
+            others contradict, by their index; they are left out.
     """
 
     def __init__(
@@ -52,6 +69,7 @@ class WeightRegression:
         inputs: Matrix,
         weights: Sequence[Matrix],
         basis: PeriodicBasis,
+        uncertainties: Sequence[Matrix | None] | None = None,
     ) -> None:
         """Fit hyperparameters.
 
@@ -59,14 +77,13 @@ class WeightRegression:
             inputs: Learned values, (n, d), each parameter with two different
                 ones at least.
             weights: Learned weights, n times (k, L).
+            uncertainties: Standard deviations of the weights of each entry, (k, L):
+                its noise is at least that. Without, it is the same for all, as the
+                entries say.
 
         Raises:
             EntryNotFound: If there are too few entries.
         """
-        # imported here: it takes longer than everything else at start-up
-        from sklearn.exceptions import ConvergenceWarning
-        from sklearn.gaussian_process import GaussianProcessRegressor
-
         least = max(len(names) + 1, 2)
         if len(inputs) < least:
             raise EntryNotFound(
@@ -79,38 +96,70 @@ class WeightRegression:
         self.basis = basis
         self.low: Vector = inputs.min(axis=0)
         self.high: Vector = inputs.max(axis=0)
-        self._inputs = self._scale(inputs)
-        self._shape = weights[0].shape
-        targets = np.stack([matrix.ravel() for matrix in weights])
-        self._mean = targets.mean(axis=0)
-        # one spread for all: what hardly varies has nothing to say of the kernel
-        self._spread = float(np.sqrt(np.mean(targets.var(axis=0)))) or 1.0
-        targets = (targets - self._mean) / self._spread
-        process = GaussianProcessRegressor(
-            _kernel(len(names)), alpha=0.0, n_restarts_optimizer=2, random_state=0
+        targets = np.stack(weights, axis=1)  # (k, n, L)
+        self._mean = targets.mean(axis=1)
+        # of each axis one spread for all: what hardly varies has nothing to say of the kernel
+        spread = np.sqrt(np.mean(targets.var(axis=1), axis=1))
+        self._spread = np.where(spread > 0, spread, 1.0)
+        targets = (targets - self._mean[:, None]) / self._spread[:, None, None]
+        self._fit(inputs, targets, self._noise(targets.shape[:2], uncertainties))
+
+    def _fit(self, inputs: Matrix, targets: Matrix, noise: Matrix) -> None:
+        sample = _sample(len(inputs))
+        some = targets[:, sample], noise[:, sample]
+
+        def fit(places: Matrix, kept: Indices) -> Processes:
+            return [
+                GaussianProcess.fitted(places[kept], each[kept], known[kept])
+                for each, known in zip(*some, strict=True)
+            ]
+
+        found = []
+        for coordinates in Coordinates.possible(self.declaration, self.names, inputs):
+            processes = fit(coordinates.places(inputs[sample]), np.arange(len(sample)))
+            cost = sum(each.cost for each in processes)
+            if not coordinates.by_ratio:
+                cost += MUCH_MORE * targets.shape[0] * targets.shape[2]
+            found.append((cost, coordinates, processes))
+        _, self._coordinates, processes = min(found, key=lambda each: each[0])
+        places = self._coordinates.places(inputs)
+        processes, off = without_disagreeing(
+            partial(fit, places[sample]), processes, places[sample], *some
         )
-        with warnings.catch_warnings():
-            # a bound that is met is a sensible answer for a few entries
-            warnings.simplefilter("ignore", ConvergenceWarning)
-            process.fit(self._inputs, targets)
-        self._kernel = process.kernel_
-        covariance = process.L_ @ process.L_.T
-        self._inverse = np.linalg.inv(covariance)
-        self._coefficients = self._inverse @ targets
-        residuals, deviations = leave_one_out(covariance, targets)
-        self._residuals = (residuals * self._spread).reshape(-1, *self._shape)
-        self._deviation_scale = deviation_scale(basis, self._residuals / deviations[:, None, None])
+        self.disagreeing = {int(sample[index]): distance for index, distance in off.items()}
+        pairs = [leave_one_out(*process.known) for process in processes]
+        relative = np.stack([r / d[:, None] for r, d in pairs], axis=1)
+        self._residuals = np.stack([r for r, _ in pairs], axis=1) * self._spread[:, None]
+        self._deviation_scale = deviation_scale(self.basis, relative, len(self.names))
+        self._band_factor = band_factor(
+            self.basis, relative, self._deviation_scale, len(self.names)
+        )
+        most = limit(len(sample), len(self.names))
+        for index in np.setdiff1d(np.arange(len(places)), sample).tolist():
+            if (off_by := distance(processes, places, targets, noise, index)) >= most:
+                self.disagreeing[index] = off_by
+        if len(sample) < len(places):
+            kept = np.setdiff1d(np.arange(len(places)), list(self.disagreeing))
+            processes = [
+                GaussianProcess(process.kernel, places[kept], each[kept], known[kept])
+                for process, each, known in zip(processes, targets, noise, strict=True)
+            ]
+        self._processes = processes
 
     @property
-    def kernel(self) -> str:
-        """The fitted kernel, for people."""
-        return str(self._kernel)
+    def kernels(self) -> list[str]:
+        """The fitted kernel of each axis, for people."""
+        return [str(process.kernel) for process in self._processes]
 
     @property
     def length_scales(self) -> dict[str, float]:
-        """Over what distance each parameter changes the weights, 1 for the learned range."""
-        scales = np.atleast_1d(self._kernel.k1.k2.length_scale)
-        return {name: float(scale) for name, scale in zip(self.names, scales, strict=True)}
+        """Over what distance each parameter changes the weights, 1 for the learned range.
+
+        That of the axis that varies most.
+        """
+        lengths = self._processes[int(np.argmax(self._spread))].kernel.lengths
+        # places are 2 wide
+        return {name: float(each) / 2 for name, each in zip(self.names, lengths, strict=True)}
 
     @property
     def calibration(self) -> dict[str, Any]:
@@ -120,7 +169,8 @@ class WeightRegression:
             "method": "leave-one-out",
             "residuals": np.sqrt(np.mean(residuals**2, axis=(1, 2))).tolist(),
             "unit": "m/s^2",
-            "student_factor": student_factor(len(residuals)),
+            "student_factor": student_factor(len(residuals), len(self.names)),
+            "band_factors": self._band_factor.tolist(),
         }
 
     def predict(
@@ -146,10 +196,21 @@ class WeightRegression:
                 if not low <= value <= high:
                     unit = self.declaration.unit_of(name)
                     raise OutsideTrainedRange(name, float(value), float(low), float(high), unit)
-        covariance = self._kernel(self._scale(values[None, :]), self._inputs)
-        mean = self._mean + self._spread * (covariance @ self._coefficients)[0]
-        deviation = self._unit_deviation(values[None, :])[0]
-        return mean.reshape(self._shape), deviation * self._deviation_scale
+        place = self._coordinates.places(values[None])[0]
+        means, deviations = zip(*(each.predict(place) for each in self._processes), strict=True)
+        mean = self._mean + self._spread[:, None] * np.stack(means)
+        return mean, (self._spread * deviations)[:, None] * self._deviation_scale
+
+    def bands(self, deviation: Matrix) -> tuple[Band, ...]:
+        """Make the bands around a prediction from its standard deviation.
+
+        Args:
+            deviation: As ``predict`` gives it, (k, L).
+        """
+        return (
+            Band("pointwise", POINTS, COVERED * deviation),
+            Band("simultaneous", WHOLE_LAPS, self._band_factor[:, None] * deviation),
+        )
 
     def deviation(self, values: Matrix) -> Vector:
         """Predict how uncertain the feedforward is, also outside the learned range.
@@ -162,22 +223,22 @@ class WeightRegression:
             [m/s^2].
         """
         scale = self.basis.evaluate(lap(self.basis), self._deviation_scale)
-        return np.asarray(np.sqrt(np.mean(scale**2)) * self._unit_deviation(values))
+        by_axis = self._spread * np.sqrt(np.mean(scale**2, axis=1))
+        places = self._coordinates.places(values)
+        found = np.stack([process.deviations(places) for process in self._processes], axis=1)
+        return np.asarray(np.sqrt(np.mean((by_axis * found) ** 2, axis=1)))
 
-    def _unit_deviation(self, values: Matrix) -> Vector:
-        """Predict the standard deviation of a standardised weight, (m,)."""
-        points = self._scale(values)
-        covariance = self._kernel(points, self._inputs)
-        explained = np.einsum("ij,jk,ik->i", covariance, self._inverse, covariance)
-        return np.asarray(np.sqrt(self._kernel.diag(points) - explained))
+    def _noise(
+        self, shape: tuple[int, ...], uncertainties: Sequence[Matrix | None] | None
+    ) -> Matrix:
+        """Compute the variance of the noise that is known to be there, (k, n)."""
+        noise = np.zeros(shape)
+        for index, each in enumerate(uncertainties or ()):
+            if each is not None:
+                noise[:, index] = np.mean((each / self._spread[:, None]) ** 2, axis=1)
+        return noise
 
-    def _scale(self, values: Matrix) -> Matrix:
-        """Map the learned range of each parameter to [0, 1]."""
-        return np.asarray((values - self.low) / (self.high - self.low))
 
-
-def _kernel(parameters: int) -> Any:
-    from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
-
-    smooth = Matern(np.ones(parameters), (0.1, 100.0), nu=2.5)
-    return ConstantKernel(1.0, (1e-2, 1e3)) * smooth + WhiteKernel(NOISE, "fixed")
+def _sample(count: int) -> Indices:
+    """Choose the entries that hyperparameters are fitted to, evenly over all, their indices."""
+    return np.unique(np.linspace(0, count - 1, min(count, FITTED)).astype(int))

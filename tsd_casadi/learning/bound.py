@@ -104,9 +104,8 @@ class Bound:
 
     def share(self, weights: Matrix, basis: PeriodicBasis) -> Vector:
         """Tell how much of each axis is left by the bound, (k,), 1 for all of it."""
-        found = peak(weights, basis)
-        ratio = np.divide(self.largest, found, out=np.ones_like(found), where=found > 0)
-        return np.minimum(1.0, ratio)
+        larger = np.maximum(peak(weights, basis), self.largest)
+        return np.divide(self.largest, larger, out=np.ones_like(larger), where=larger > 0)
 
 
 def peak(weights: Matrix, basis: PeriodicBasis) -> Vector:

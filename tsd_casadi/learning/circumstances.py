@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+# words of a setting that say which robot a simulation was of; the others say how it was run
+HARDWARE = ("model_error", "link_error", "link_error_seed", "hardware")
+
 
 @dataclass(frozen=True)
 class Circumstances:
@@ -24,3 +27,8 @@ class Circumstances:
     setting: dict[str, Any] = field(default_factory=dict)
     version: str = ""
     allowed: list[float] = field(default_factory=list)
+
+    @property
+    def hardware(self) -> dict[str, Any]:
+        """What the setting says of the robot itself, as a simulation knows it."""
+        return {name: value for name, value in self.setting.items() if name in HARDWARE}

@@ -17,6 +17,9 @@ from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.epochs import (
     about_change,
+    about_hardware,
+    about_rest,
+    is_other_hardware,
     newest_epoch,
     recall,
     shows_change,
@@ -146,17 +149,20 @@ class Entry:
         """
         instruction.rule.check(recording)
         notes = self._compare(recording)
+        before, now = self.circumstances.hardware, recording.circumstances.hardware
+        is_other = is_other_hardware(self.iterations, before, now)
         self.circumstances = recording.circumstances
         self.declaration = recording.declaration or self.declaration
         self.rule = instruction.rule
         fitted = fit_laps(recording.laps, self.basis)
         seen = Observation(self.key.axes, self.basis, recording.applied, fitted)
         used, recalled = self._find(recording.applied), None
-        if shows_change(self.iterations, used, seen, self.circumstances.gains):
+        if is_other or shows_change(self.iterations, used, seen, self.circumstances.gains):
             used = self._begin_epoch(used)
             if self.rule.compares:
                 recalled = recall(self.iterations, seen, self.circumstances.gains)
-            notes.append(about_change(used, recalled))
+            why = about_hardware(before, now) if is_other else about_rest(used)
+            notes.append(about_change(why, used, recalled))
         is_first_test = used.errors is None
         self._note(used, recording, fitted)
         best = self.best

@@ -36,6 +36,19 @@ def shows_change(
     return any(item.gains == gains and seen.differs_from_parent(item) for item in parents)
 
 
+def is_other_hardware(
+    iterations: Sequence[Iteration], before: Mapping[str, Any], now: Mapping[str, Any]
+) -> bool:
+    """Say whether a simulation was told to be of another robot than in the newest epoch.
+
+    Args:
+        before: What the setting of the newest recording says; nothing if nobody did.
+        now: The same of the one that is taken in.
+    """
+    is_tested = any(item.errors is not None for item in iterations)
+    return is_tested and bool(before) and bool(now) and before != now
+
+
 def recall(
     iterations: Sequence[Iteration], seen: Observation, gains: Mapping[str, Any]
 ) -> Iteration | None:
@@ -56,17 +69,30 @@ def recall(
     return nearest if nearest is not None and seen.distance_to(nearest) <= 1 else None
 
 
-def about_change(used: Iteration, recalled: Iteration | None) -> str:
+def about_rest(used: Iteration) -> str:
+    """Tell people by what a change was noticed."""
+    return (
+        f"this is not the robot of before: iteration {used.number} left what neither noise nor "
+        "learning explains"
+    )
+
+
+def about_hardware(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+    """Tell people which hardware a simulation has now and had before."""
+    names = [name for name in {**before, **now} if before.get(name) != now.get(name)]
+    had, has = ({name: each.get(name) for name in names} for each in (before, now))
+    return f"this is not the hardware of before: {has} against {had}"
+
+
+def about_change(why: str, used: Iteration, recalled: Iteration | None) -> str:
     """Tell people that the robot is taken for another one from now on.
 
     Args:
+        why: By what it was noticed.
         used: The first iteration of the new epoch.
         recalled: What is taken again, if anything.
     """
-    start = (
-        f"this is not the robot of before: iteration {used.number} left what neither noise nor "
-        f"learning explains. Epoch {used.epoch} starts from it"
-    )
+    start = f"{why}. Epoch {used.epoch} starts from iteration {used.number}"
     if recalled is None:
         return f"{start}; errors of before count no more, the learning gain is 1 again"
     return (

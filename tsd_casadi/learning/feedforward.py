@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.learning.band import Band
 from tsd_casadi.learning.bound import Bound
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.state import Matrix
@@ -32,6 +33,7 @@ class Feedforward:
         provenance: Where it comes from, plain data.
         declaration: What is said of the motion; None if nobody did.
         bound: What it was bounded by; None if nobody did.
+        bands: That are meant to hold what would be learned; none for what was.
     """
 
     axes: tuple[str, ...]
@@ -43,6 +45,7 @@ class Feedforward:
     provenance: dict[str, Any] = field(default_factory=dict)
     declaration: Declaration | None = None
     bound: Bound | None = None
+    bands: tuple[Band, ...] = ()
 
     def __repr__(self) -> str:
         """Say along what, of which kind and for which parameters."""
@@ -80,6 +83,7 @@ class Feedforward:
             axes=axes,
             weights=pick(self.weights),
             standard_deviations=pick(self.standard_deviations),
+            bands=tuple(replace(band, half_width=pick(band.half_width)) for band in self.bands),
         )
 
     @property
@@ -125,4 +129,5 @@ class Feedforward:
             weights=weights,
             standard_deviations=np.zeros_like(weights),
             kind="constant",
+            bands=(),
         )

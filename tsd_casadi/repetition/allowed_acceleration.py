@@ -32,7 +32,7 @@ from tsd_casadi.state import Matrix, Vector
 PHASES = 8
 # how much larger accelerations [m/s^2, rad/s^2] and contact wrenches [N, N m] may be than
 # shares of torque limits before they count as much: they are to be free
-FREE = 1e4
+FREE = 1e6
 
 
 def allowed_accelerations(robot: Robot, motion: Motion, axes: Sequence[str]) -> list[float]:

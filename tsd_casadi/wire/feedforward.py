@@ -9,6 +9,7 @@ from pydantic import Field
 
 from tsd_casadi.document import Document, Finite, Name, to_matrix
 from tsd_casadi.exceptions import MalformedMessage
+from tsd_casadi.learning.band import Band
 from tsd_casadi.learning.bound import Bound
 from tsd_casadi.learning.feedforward import Feedforward, Kind
 from tsd_casadi.motions.declaration import Declaration
@@ -36,6 +37,22 @@ class BandMessage(Document):
     kind: Literal["pointwise", "simultaneous"]
     coverage: Annotated[float, Field(gt=0, lt=1)]
     half_width: list[list[NotNegative]]
+
+    @classmethod
+    def of(cls, band: Band) -> BandMessage:
+        """Describe a band."""
+        return cls(kind=band.kind, coverage=band.coverage, half_width=band.half_width.tolist())
+
+    def band(self, shape: tuple[int, int]) -> Band:
+        """Make the band.
+
+        Args:
+            shape: Of the feedforward's weights, (k, L).
+
+        Raises:
+            MalformedMessage: If its own are others.
+        """
+        return Band(self.kind, self.coverage, to_matrix("half_width", self.half_width, shape))
 
 
 class BoundMessage(Document):
@@ -136,6 +153,7 @@ class FeedforwardMessage(Message):
             epoch=provenance.get("epoch", 0),
             declaration=DeclarationMessage.of(declaration) if declaration.parameters else None,
             bound=None if feedforward.bound is None else BoundMessage(**asdict(feedforward.bound)),
+            bands=[BandMessage.of(band) for band in feedforward.bands] or None,
             provenance=provenance,
         )
 
@@ -172,4 +190,5 @@ class FeedforwardMessage(Message):
             provenance={**self.provenance, "robot": self.robot},
             declaration=declaration,
             bound=None if self.bound is None else self.bound.bound(len(axes)),
+            bands=tuple(band.band(shape) for band in self.bands or ()),
         )

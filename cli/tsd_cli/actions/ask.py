@@ -66,6 +66,11 @@ def _print_feedforward(message: FeedforwardMessage) -> None:
     console.print(f"{feedforward.kind} feedforward along {axes} for {parameters}")
     source = "entries {entries}, iteration {iteration}".format(**feedforward.provenance)
     console.print(f"from {source}; the whole answer: --json -")
+    for left_out in feedforward.provenance.get("disagreeing", []):
+        console.print(
+            "without entry {entry}: the others contradict it, it is {deviations} standard "
+            "deviations off; learn it again, or forget it".format(**left_out)
+        )
     others = f"; {message.others} entries of others" if message.others else ""
     console.print(f"context {describe_context(message.context)}{others}", highlight=False)
     phase = np.linspace(0, 2 * np.pi, 8, endpoint=False)

@@ -44,6 +44,11 @@ def print_entries(reply: DatabaseReply) -> None:
         "" if each is None or each.true_rms is None else number_text(each.true_rms, 1e3, 4)
         for each in errors
     ]
+    scatter = [
+        "" if each is None or each.scatter is None else number_text(each.scatter, 1.0, 4)
+        for each in errors
+    ]
+    of_scatter = ", ".join(dict.fromkeys(f"{axis.unit}/s²" for _, _, axis in rows)) or "m/s²"
     corrections = of_entry(lambda entry: escape(entry.context.correction[:6]) or "-")
     values = [{} if entry is None else entry.parameters for entry, _, _ in rows]
     columns = [
@@ -58,6 +63,7 @@ def print_entries(reply: DatabaseReply) -> None:
         Column(f"its RMS\n{units}", untested),
         Column(f"its AC RMS\n{units}", without_mean, rank=4),
         *_if_any(Column(f"true RMS\n{units}", true, rank=3), true),
+        *_if_any(Column(f"repeats to\n{of_scatter}", scatter, rank=5), scatter),
         Column("context", of_entry(lambda entry: describe_body(entry.context)), 1, True),
         *_if_any(
             Column("correction", corrections, 2, True),

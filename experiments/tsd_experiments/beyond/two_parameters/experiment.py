@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from tsd_casadi.encoding.harmonics import sample_phases
-from tsd_casadi.generalization.weight_regression import NOISE
 from tsd_casadi.state import Matrix
 from tsd_experiments.beyond.two_parameters.grid import GRID, NAMES, Point
 from tsd_experiments.beyond.two_parameters.predictions import Predictions
@@ -121,8 +120,7 @@ class TwoParameters(Experiment):
             f"{100 * max(coverage):.0f} %. Over {grid.draws} random choices of "
             f"{len(grid.learned)} entries, corners included, with the others held out, it is "
             f"{100 * np.mean(draws):.1f} % on average, between {100 * min(draws):.1f} % and "
-            f"{100 * max(draws):.1f} %. The noise of the process was settled on another set of "
-            "held-out places; these were new to it.",
+            f"{100 * max(draws):.1f} %.",
         ]
         section.tables.append(
             Table(
@@ -162,8 +160,7 @@ class TwoParameters(Experiment):
         ]
         return (
             f"Learned once more with other sensor noise, {len(shares)} entries differ by "
-            f"{min(shares):.1e} to {max(shares):.1e} of the variance between entries; the process "
-            f"takes {NOISE:.0e} for the noise of all."
+            f"{min(shares):.1e} to {max(shares):.1e} of the variance between entries."
         )
 
     def _rows(self, done: Done) -> tuple[list[list[str]], list[list[float]]]:

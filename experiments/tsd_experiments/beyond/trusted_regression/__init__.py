@@ -1,0 +1,1 @@
+"""Whether predictions of the regression can be trusted, from few entries and wrong ones too."""

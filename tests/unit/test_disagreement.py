@@ -1,0 +1,89 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.generalization.weight_regression import WeightRegression
+from tsd_casadi.motions.squat import Squat
+
+BASIS = PeriodicBasis()
+NAMES = ("amplitude", "frequency")
+# not on a grid, so that none has a partner
+PLACES = np.array(
+    [
+        (0.02, 0.2),
+        (0.08, 0.22),
+        (0.03, 0.6),
+        (0.075, 0.55),
+        (0.05, 0.4),
+        (0.035, 0.33),
+        (0.06, 0.3),
+        (0.055, 0.58),
+    ]
+)
+ASKED = {"amplitude": 0.05, "frequency": 0.35}
+
+
+def learned(place: np.ndarray) -> np.ndarray:
+    """Inertia, damping and friction along two axes, about an offset that all share."""
+    speed = 2 * np.pi * place[0] * place[1]
+    inertia = 0.1 * place[0] * (2 * np.pi * place[1]) ** 2 * np.sin(BASIS.centers)
+    friction = 0.3 * np.tanh(np.cos(BASIS.centers) * speed / 0.05)
+    return np.stack([-0.7 + inertia + friction, 0.05 + 0.1 * inertia])
+
+
+def regression(
+    places: np.ndarray, weights: list[np.ndarray], deviations: list[np.ndarray | None] | None = None
+) -> WeightRegression:
+    return WeightRegression(Squat.declaration(), NAMES, places, weights, BASIS, deviations)
+
+
+def error(weights: np.ndarray) -> float:
+    off = weights - learned(np.array([ASKED["amplitude"], ASKED["frequency"]]))
+    return float(np.sqrt(np.mean(off[0] ** 2)))
+
+
+@pytest.mark.parametrize("count", [6, 8])
+@pytest.mark.parametrize("factor", [1.1, -1.0])
+def test_an_entry_a_micrometre_beside_another_does_no_harm(count: int, factor: float) -> None:
+    places, weights = PLACES[:count], [learned(place) for place in PLACES[:count]]
+    alone = regression(places, weights)
+    beside = places[4] + (1e-6, 0.0)
+    both = regression(np.vstack([places, beside]), [*weights, factor * weights[4]])
+    assert alone.disagreeing == {}
+    assert list(both.disagreeing) == [count]
+    assert both.disagreeing[count] > 4
+    mean, _ = both.predict(ASKED)
+    assert (mean[0] < 0).all() == (alone.predict(ASKED)[0][0] < 0).all()
+    assert error(mean) < error(alone.predict(ASKED)[0]) + 2e-3
+    assert np.abs(mean).max() < 1.2 * np.abs(np.array(weights)).max()
+
+
+def test_which_of_two_is_wrong_does_not_depend_on_their_order() -> None:
+    weights = [learned(place) for place in PLACES]
+    places = np.vstack([PLACES[4] + (1e-6, 0.0), PLACES])
+    assert list(regression(places, [1.1 * weights[4], *weights]).disagreeing) == [0]
+
+
+def test_an_entry_that_is_known_to_be_uncertain_does_not_disagree() -> None:
+    weights = [learned(place) for place in PLACES]
+    places = np.vstack([PLACES, PLACES[4] + (1e-6, 0.0)])
+    wrong = [*weights, weights[4] + 0.1]
+    known: list[np.ndarray | None] = [*[None] * len(PLACES), np.full((2, BASIS.L), 0.3)]
+    assert list(regression(places, wrong).disagreeing) == [len(PLACES)]
+    certain, uncertain = regression(PLACES, weights), regression(places, wrong, known)
+    assert uncertain.disagreeing == {}
+    assert error(uncertain.predict(ASKED)[0]) < error(certain.predict(ASKED)[0]) + 5e-3
+
+
+def test_three_entries_cannot_tell_who_is_wrong() -> None:
+    weights = [learned(place) for place in PLACES[:4]]
+    weights[0] = -weights[0]
+    assert regression(PLACES[:4], weights).disagreeing == {}
+
+
+def test_most_of_the_entries_are_kept() -> None:
+    rng = np.random.default_rng(0)
+    noise = [learned(place) + rng.normal(size=(2, BASIS.L)) for place in PLACES]
+    assert len(regression(PLACES, noise).disagreeing) <= len(PLACES) // 4

@@ -1,0 +1,106 @@
+r"""How alike the weights at two places are before anything is known of them.
+
+.. math::
+
+    k(x, x') = c + l\, x^T x' + q\, (x^T x')^2 + r\, m(|x - x'|_\lambda)
+
+A polynomial of second degree whose coefficients are normal [Rasmussen and Williams,
+Gaussian Processes for Machine Learning, section 4.2.2], and a Matern 5/2 process m
+[ibid., eq. 4.17] with a length scale lambda for each parameter. Rigid-body dynamics
+are close to the polynomial over the range of a motion, which a few entries determine;
+friction's steps move over the phase with the parameters, which is rougher than the
+usual squared exponential. How much there is of each the entries say.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tsd_casadi.state import Matrix, Vector
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """The kernel with its hyperparameters, for targets with a variance of about one.
+
+    Attributes:
+        constant: c, variance of what all places have in common.
+        linear: l.
+        quadratic: q.
+        rough: r, variance of the Matern process.
+        noise: Variance of what is different each time.
+        lengths: lambda, (d,).
+    """
+
+    constant: float
+    linear: float
+    quadratic: float
+    rough: float
+    noise: float
+    lengths: Vector
+
+    @classmethod
+    def of_logarithms(cls, theta: Vector) -> Kernel:
+        """Make it from the logarithms of its hyperparameters, in their order."""
+        constant, linear, quadratic, rough, noise, *lengths = np.exp(theta).tolist()
+        return cls(constant, linear, quadratic, rough, noise, np.array(lengths))
+
+    def __str__(self) -> str:
+        """For people."""
+        lengths = ", ".join(f"{length:.3g}" for length in self.lengths)
+        return (
+            f"{self.constant:.3g} + {self.linear:.3g} linear + {self.quadratic:.3g} quadratic + "
+            f"{self.rough:.3g} Matern 5/2 (length scales {lengths}) + noise {self.noise:.3g}"
+        )
+
+    def covariance(self, one: Matrix, other: Matrix) -> Matrix:
+        """Compute k without the noise.
+
+        Args:
+            one: (m, d).
+            other: (n, d).
+
+        Returns:
+            (m, n).
+        """
+        product = one @ other.T
+        r = np.sqrt(5) * np.linalg.norm((one[:, None] - other) / self.lengths, axis=2)
+        matern = (1 + r + r**2 / 3) * np.exp(-r)
+        polynomial = self.constant + self.linear * product + self.quadratic * product**2
+        return np.asarray(polynomial + self.rough * matern)
+
+    def variance(self, places: Matrix) -> Vector:
+        """Compute k(x, x) without the noise, (m,)."""
+        square = np.sum(places**2, axis=1)
+        return np.asarray(
+            self.constant + self.linear * square + self.quadratic * square**2 + self.rough
+        )
+
+    def pull(self, places: Matrix, weights: Matrix) -> Vector:
+        """Compute how the sum of weights times k changes with each logarithm.
+
+        Args:
+            places: x, (n, d).
+            weights: Of each pair of them, (n, n).
+
+        Returns:
+            Derivatives by the logarithms, in their order, (5 + d,).
+        """
+        product = places @ places.T
+        # (d, n, n): squares of the differences in length scales
+        squares = ((places.T[:, :, None] - places.T[:, None, :]) / self.lengths[:, None, None]) ** 2
+        r = np.sqrt(5 * squares.sum(axis=0))
+        decay = np.exp(-r)
+        by_square = weights * (self.rough * 5 / 3 * (1 + r) * decay)
+        return np.array(
+            [
+                self.constant * weights.sum(),
+                self.linear * np.sum(weights * product),
+                self.quadratic * np.sum(weights * product**2),
+                self.rough * np.sum(weights * (1 + r + r**2 / 3) * decay),
+                self.noise * np.trace(weights),
+                *(np.sum(by_square * square) for square in squares),
+            ]
+        )
