@@ -141,7 +141,8 @@ def test_auto_goes_where_the_learner_knows_least(connect: list[str], tmp_path: P
     assert known == [False, False, True]
     assert [len(place["errors"]) for place in result["places"]] == [2, 2, 2]
     assert len(result["runs"]) == 6
-    (row,) = [line.split() for line in done.stdout.splitlines() if "0.015" in line.split()]
+    rows = [line.split() for line in done.stdout.splitlines()]
+    (row,) = [row for row in rows if row[:2] == ["1", "0.015"]]
     assert row[:5] == ["1", "0.015", "1", "-0.01", "com.z"]
 
 

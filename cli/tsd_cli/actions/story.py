@@ -86,9 +86,10 @@ class Story:
             print_places(declaration, self.places)
         else:
             print_runs(f"learning {motion.name}", self.summaries)
-        if rule.is_by_harmonic:
-            for at, contractions in self._learned:
-                print_contractions(declaration, at.parameters, contractions)
+        if rule.is_by_harmonic and self._learned:
+            # of the rest the JSON tells: a table for each axis of each place is no overview
+            at, contractions = self._learned[-1]
+            print_contractions(declaration, at.parameters, contractions[:1])
         for remark in self.remarks:
             typer.echo(f"note: {remark}", err=True)
 
