@@ -415,6 +415,24 @@ def test_generalised_excludes_the_exact_entry(trained: Database) -> None:
     assert np.abs(found.weights - entries[2].served.weights).max() > 1e-9
 
 
+def test_an_entry_that_the_others_contradict_is_named(database: Database) -> None:
+    amplitudes = (0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08)
+    for amplitude in amplitudes:
+        database.record(recording(amplitude))
+    before = database.query("squat", amplitude=0.055, frequency=0.25)
+    wrong = recording(0.045)
+    laps = [replace(lap, feedback=-lap.feedback) for lap in wrong.laps]
+    entry, _ = database.record(replace(wrong, laps=laps))
+    found = database.query("squat", amplitude=0.055, frequency=0.25)
+    (named,) = found.provenance["disagreeing"]
+    assert (named["entry"], named["parameters"]["amplitude"]) == (entry.identifier, 0.045)
+    assert named["deviations"] > 4
+    assert entry.identifier not in found.provenance["entries"]
+    np.testing.assert_allclose(found.weights, before.weights, atol=2e-3)
+    assert [band.kind for band in found.bands] == ["pointwise", "simultaneous"]
+    assert before.provenance["disagreeing"] == []
+
+
 def test_generalised_at_the_end_of_the_range_would_be_an_extrapolation(trained: Database) -> None:
     with pytest.raises(OutsideTrainedRange, match=r"0\.02 to 0\.06 m"):
         trained.query("squat", kind="generalised", amplitude=0.08, frequency=0.25)

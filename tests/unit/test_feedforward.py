@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.learning.band import Band
 from tsd_casadi.learning.feedforward import Feedforward
 
 BASIS = PeriodicBasis()
@@ -105,3 +107,14 @@ def test_constant_of_a_pure_oscillation_is_zero() -> None:
 def test_constant_twice_is_constant_once() -> None:
     once = a_feedforward().constant()
     np.testing.assert_allclose(once.constant().weights, once.weights, atol=1e-14)
+
+
+def test_bands_go_with_the_axes_and_not_with_a_constant() -> None:
+    feedforward = a_feedforward()
+    band = Band("simultaneous", 0.95, 3 * feedforward.standard_deviations)
+    banded = replace(feedforward, bands=(band,))
+    (other,) = banded.over(("com.z", "com.y")).bands
+    np.testing.assert_array_equal(other.half_width[0], band.half_width[1])
+    np.testing.assert_array_equal(other.half_width[1], 0.0)
+    assert (other.kind, other.coverage) == ("simultaneous", 0.95)
+    assert banded.constant().bands == ()

@@ -29,6 +29,7 @@ from tsd_casadi.exceptions import (
 )
 from tsd_casadi.generalization.suggestion import Suggestion
 from tsd_casadi.learning.axis_error import AxisError
+from tsd_casadi.learning.band import Band
 from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.entry import Entry
@@ -808,6 +809,26 @@ def test_centres_that_are_off_by_more_than_1e_9_are_refused() -> None:
     )
     with pytest.raises(MalformedMessage):
         message.feedforward()
+
+
+def test_bands_are_exact_over_json() -> None:
+    feedforward = a_feedforward()
+    bands = tuple(
+        Band(kind, 0.95, factor * feedforward.standard_deviations)
+        for kind, factor in (("pointwise", 2.0), ("simultaneous", 3.5))
+    )
+    message = FeedforwardMessage.of("r", "squat", replace(feedforward, bands=bands))
+    found = FeedforwardMessage.decode(message.encode()).feedforward().bands
+    assert [(band.kind, band.coverage) for band in found] == [
+        ("pointwise", 0.95),
+        ("simultaneous", 0.95),
+    ]
+    for band, expected in zip(found, bands, strict=True):
+        np.testing.assert_array_equal(band.half_width, expected.half_width)
+    document = json.loads(message.encode())
+    document["bands"][1]["half_width"].pop()
+    with pytest.raises(MalformedMessage, match="half_width of another shape"):
+        FeedforwardMessage.decode(json.dumps(document).encode()).feedforward()
 
 
 def test_a_feedforward_of_no_axes_is_refused() -> None:

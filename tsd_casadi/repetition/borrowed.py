@@ -89,10 +89,18 @@ def name_borrowed(
                 f"learned with {_corrected(context['correction'])}, used with "
                 f"{_corrected(correction)}"
             )
-    learned_at = told.get("gains", {}).get("P")
     used_at = _stiffness(controller, feedforward.axes, gains)
-    if learned_at is not None and not np.allclose(learned_at, used_at, rtol=SAME):
-        reasons.append(f"learned at P = {_numbers(learned_at)}, used at {_numbers(used_at)}")
+    # of a generalised term those of each entry
+    of_entries = told.get("gains", {})
+    of_entries = of_entries if isinstance(of_entries, list) else [of_entries]
+    others = [
+        _numbers(each["P"])
+        for each in of_entries
+        if "P" in each and not np.allclose(each["P"], used_at, rtol=SAME)
+    ]
+    if others:
+        learned_at = " and ".join(dict.fromkeys(others))
+        reasons.append(f"learned at P = {learned_at}, used at {_numbers(used_at)}")
     return f"the feedforward {', '.join(reasons)}" if reasons else None
 
 

@@ -212,9 +212,9 @@ static void drop_negligible(struct least_squares* s) {
     if (s->u[k] < NEGLIGIBLE * most) drop(k, s);
 }
 
-void find_conflict(int n_y, const double* x_0, const double* Z, const double* A,
-                   const double* lower, const double* upper, struct conflict_work* work,
-                   double* conflict) {
+int find_conflict(int n_y, const double* x_0, const double* Z, const double* A,
+                  const double* lower, const double* upper, struct conflict_work* work,
+                  double* conflict) {
   struct least_squares* s = &work->now;
   unsigned char needed[N_SIDES];
   memset(needed, 0, sizeof needed);
@@ -223,7 +223,7 @@ void find_conflict(int n_y, const double* x_0, const double* Z, const double* A,
   memset(s->e, 0, sizeof s->e);
   s->e[n_y] = -1.0;
   add_sides(n_y, x_0, Z, A, lower, upper, s);
-  if (!prove(s)) return;
+  if (!prove(s)) return 0;
   drop_negligible(s);
   for (int k; (k = least_needed(s, needed)) >= 0;) {
     const int column = s->used[k];
@@ -242,4 +242,5 @@ void find_conflict(int n_y, const double* x_0, const double* Z, const double* A,
     const int column = s->used[k];
     conflict[s->row[column]] = s->sign[column] * UNIT / (s->scale[column] * s->u[k]);
   }
+  return 1;
 }

@@ -368,9 +368,15 @@ int tick_run(struct tick* t, const double* request, double* reply) {
       n_active = t->work.n_active;
     }
     status = status_of(flag);
-    if (flag == EXIT_INFEASIBLE && request[REQUEST_EXPLAIN])
-      find_conflict(t->reduced.n_y, t->reduced.x_0, t->reduced.Z, t->A, t->lower, t->upper, &t->conflict,
-                    reply + REPLY_CONFLICT);
+    const int asked = request[REQUEST_EXPLAIN] != 0.0;
+    if (status == STATUS_ITERATION_LIMIT || (flag == EXIT_INFEASIBLE && asked)) {
+      /* DAQP gives up on some problems without a solution, some 5 % of G1's */
+      double* conflict = reply + REPLY_CONFLICT;
+      if (find_conflict(t->reduced.n_y, t->reduced.x_0, t->reduced.Z, t->A, t->lower, t->upper,
+                        &t->conflict, conflict))
+        status = STATUS_INFEASIBLE;
+      if (!asked) memset(conflict, 0, N_ROWS * sizeof(double));
+    }
   }
   if (status == STATUS_OK) {
     fill_solution(t, request, n_active, reply);

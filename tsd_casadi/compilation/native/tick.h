@@ -77,10 +77,10 @@ struct conflict_work {
 
 /* Limits that cannot hold together where x = x_0 + Z y, Z (N_X, n_y): conflict gets by how much
  * each of them would have to give way alone, negative at a lower bound, the other rows are left as
- * they are. A (N_GENERAL, N_X) by columns. */
-void find_conflict(int n_y, const double* x_0, const double* Z, const double* A,
-                   const double* lower, const double* upper, struct conflict_work* work,
-                   double* conflict);
+ * they are. A (N_GENERAL, N_X) by columns. Returns 1, or 0 if they can hold together. */
+int find_conflict(int n_y, const double* x_0, const double* Z, const double* A,
+                  const double* lower, const double* upper, struct conflict_work* work,
+                  double* conflict);
 
 /* H_qdd (N_V, N_V) and g_qdd gain the posture; J (N_J, N_V) by columns, its rows zero where
  * their level, from 0 to 1, is 0.
