@@ -6,7 +6,7 @@ Run: python -m benchmarks.gate [--pushes N] [--kinds N] [--p-scale S] [--json FI
 50 N s or a force of 10 to 50 N for 0.5 to 3 s in a random direction at a random time of the
 fourth lap; how long after its end, in laps, all of the term is in use again. 'harmful': 20
 kinds of terms; how many laps after the motion began each is dropped, and the errors with
-the gate, without it and without the term. Goals: within 2 laps, within 1 lap. 'claims': 1.9
+the gate, without it and without the term. Goals: within 2 laps, within 1 lap. 'claims': 1.4
 times what fits, without other errors than a load, at three gains; the error that the gate
 predicts without the term, and the measured one.
 """
@@ -43,6 +43,8 @@ from tsd_experiments.harness.case import Case
 BACK, DROPPED = 2.0, 1.0  # laps
 LAPS = 8
 IN_USE = 0.999
+# of a term that fits with friction: 1.8 times what is needed without, which the gate keeps
+MORE = 1.4
 # a term is harmful that makes the error so many times larger
 HARMFUL = 1.05
 
@@ -173,7 +175,7 @@ class Bench:
 
 def claims(fits: Feedforward, bench: Bench) -> list[dict[str, float]]:
     """Compare what the gate predicts with what is measured, at the usual gains and at softer."""
-    term = replace(fits, weights=1.9 * fits.weights)
+    term = replace(fits, weights=MORE * fits.weights)
     rows = []
     for factor in (1.0, 0.2, 0.1):
         case = replace(bench.case, hardware=()).at_stiffness(factor)
@@ -229,7 +231,7 @@ def main() -> None:
                 ("measured without\nmm", "measured", 1e3),
             )
         ]
-        print_table("what the gate claims of 1.9 times what fits", columns)
+        print_table("what the gate claims of 1.4 times what fits", columns)
     if arguments.json is not None:
         arguments.json.write_text(
             json.dumps({"disturbed": disturbed, "harmful": harmful, "claims": told})

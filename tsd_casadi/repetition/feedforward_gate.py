@@ -43,7 +43,7 @@ STANDING = 0.5  # s
 HYSTERESIS = 0.025
 # laps in use after which earlier drops no longer count, more than one push and its end take
 PROVEN = 5
-# where the prediction is not much more than a guess: 5 % off at 7 cm, 35 % at 11 cm in a squat
+# where the prediction is not much more than a guess: 7 % off at 7 cm, 40 % at 11 cm in a squat
 # with +10 %, P = 10 and P = 5
 FAR = 0.05  # m
 
