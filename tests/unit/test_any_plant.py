@@ -400,8 +400,10 @@ def test_a_load_is_said_and_patience_begins_again(robot: Robot, controller: Desi
     class Loaded(Mass):
         def start(self, posture: State, seed: int = 0) -> None:
             super().start(posture, seed)
-            if len(self.started) == 4:
-                self.bias = np.array([0.1, -0.2, -0.5])
+            after = len(self.started) - 4
+            if after > 0:
+                # settles, and is never as well known as the robot of before was
+                self.bias = (1 + 0.01 * 0.5**after) * np.array([0.1, -0.2, -0.5])
 
     said: list[list[str]] = []
     runs = learn(
@@ -409,15 +411,18 @@ def test_a_load_is_said_and_patience_begins_again(robot: Robot, controller: Desi
         controller,
         [Squat(0.02, 0.25)],
         Memory(),
-        iterations=5,
+        iterations=7,
         patience=2,
         rule="guarded",
         on_run=lambda _, notes: said.append(notes),
     )
     told = [any("not the robot of before" in note for note in notes) for notes in said]
+    assert told.index(True) == 4
+    ranks = [run.rank for run in runs]
     # no error is smaller than the best one of the robot of before, which counts no more
-    assert told == [False, False, False, True, False, False]
-    assert runs[4].rank < 1e-4 * runs[3].rank
+    assert len(ranks) == 8
+    assert 10 * min(ranks[:4]) < min(ranks[4:])
+    assert ranks[4:] == sorted(ranks[4:], reverse=True)
 
 
 def test_an_entry_of_fewer_axes_serves_a_run_of_more_and_it_is_said(
