@@ -8,10 +8,9 @@ from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.repetition.compensator import Moment, Setting
 from tsd_casadi.repetition.tick_row import TickRow
-from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Vector
 from tsd_casadi.wire.run_outline import RunOutline
-from tsd_clients.simulator.simulator import Simulator
+from tsd_clients.simulator.simulator import MujocoSimulator
 from tsd_clients.telemetry.outline import outline_of
 
 
@@ -35,10 +34,10 @@ class Rows:
 
 
 def test_rows_read_by_what_the_run_says_of_itself_are_its_log(
-    robot: Robot, controller: Controller
+    simulator: MujocoSimulator, controller: Controller
 ) -> None:
     kept = Rows()
-    run = Simulator(robot).run(controller, Squat(0.02, 1.0), laps=2, observers=[kept])
+    run = simulator.run(controller, Squat(0.02, 1.0), laps=2, observers=[kept])
     # as after a way through a file
     outline = RunOutline.decode(kept.outline.encode())
     layout, rows = outline.layout, np.array(kept.rows)
