@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import zipfile
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,27 +11,8 @@ import numpy as np
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.state import Vector
+from tsd_clients.logs.log import Log
 from tsd_clients.logs.log_file import check_log_path
-
-
-@dataclass(frozen=True)
-class Log:
-    """What ``save_log`` wrote.
-
-    Attributes:
-        fields: One array per quantity, first axis the tick; see ``LOG_FIELDS``.
-        axes: The axes of the repetition.
-        robot: Name of the robot; empty if the file does not tell, as a .csv.
-        model: Fingerprint of its files; empty if the file does not tell.
-        infeasible_request: State and command of the first tick without a solution;
-            None if there was none or the file does not tell.
-    """
-
-    fields: dict[str, Vector]
-    axes: tuple[str, ...]
-    robot: str = ""
-    model: str = ""
-    infeasible_request: Vector | None = None
 
 
 def read_log(path: Path) -> Log:
