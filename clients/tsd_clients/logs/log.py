@@ -26,8 +26,8 @@ class Log:
             None if there was none or the file does not tell.
         outline: Motion, parameters, period, robot file, torque limits and the meaning of
             the controller's numbers; None if the file does not tell.
-        summary: ``Run.summary`` of the repetition; empty if the file does not tell, as
-            that of a run that was killed.
+        summary: ``Run.summary`` of the repetition; of one that was killed nothing but
+            'aborted', and empty if the file does not tell.
         more: Arrays as in ``fields`` that only some files have; see ``MORE_FIELDS``.
     """
 

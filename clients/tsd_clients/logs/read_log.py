@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import zipfile
 from pathlib import Path
 
@@ -11,8 +12,10 @@ import numpy as np
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.state import Vector
+from tsd_casadi.wire.run_outline import RunOutline
 from tsd_clients.logs.log import Log
 from tsd_clients.logs.log_file import check_log_path
+from tsd_clients.logs.ros_messages import MORE_FIELDS
 
 
 def read_log(path: Path) -> Log:
@@ -20,11 +23,13 @@ def read_log(path: Path) -> Log:
 
     Raises:
         InvalidValue: If it is not one, or has not all fields.
+        LogNotWhole: If it ends in the middle.
+        MissingExtra: If the library of its format is not installed.
         OSError: If it cannot be read.
     """
     check_log_path(path)
     try:
-        log = _read_csv(path) if path.suffix.lower() == ".csv" else _read_npz(path)
+        log = _READERS[path.suffix.lower()](path)
     except (ValueError, KeyError, IndexError, zipfile.BadZipFile) as error:
         raise InvalidValue(
             "log file", f"'{path}' ({error})", "one that 'tsd simulate --log' wrote"
@@ -40,6 +45,7 @@ def read_log(path: Path) -> Log:
 def _read_npz(path: Path) -> Log:
     with np.load(path, allow_pickle=False) as saved:
         names = set(saved)
+        outline = str(saved["outline"]) if "outline" in names else None
         return Log(
             fields={name: saved[name] for name in LOG_FIELDS if name in names},
             axes=tuple(saved["axes"].tolist()),
@@ -48,6 +54,9 @@ def _read_npz(path: Path) -> Log:
             infeasible_request=(
                 saved["infeasible_request"] if "infeasible_request" in names else None
             ),
+            outline=None if outline is None else RunOutline.decode(outline.encode()),
+            summary=json.loads(str(saved["summary"])) if "summary" in names else {},
+            more={name: saved[name] for name in MORE_FIELDS if name in names},
         )
 
 
@@ -68,3 +77,12 @@ def _read_csv(path: Path) -> Log:
             values = np.array(columns[name])
             fields[name] = (values[0] if field.shape == "()" else values.T).astype(field.type)
     return Log(fields, tuple(axes))
+
+
+def _read_mcap(path: Path) -> Log:
+    from tsd_clients.logs.read_mcap import read_mcap
+
+    return read_mcap(path)
+
+
+_READERS = {".csv": _read_csv, ".npz": _read_npz, ".mcap": _read_mcap}
