@@ -44,12 +44,13 @@ def diagnose(
         vetoes: Why the feedforward was dropped, if it was.
     """
     lap, share = int(columns["lap"][-1]), float(columns["share"][-1])
+    phased_in = "share unknown" if np.isnan(share) else f"{100 * share:.0f} % phased in"
     return [
         Diagnosis("tsd: lap", OK, "holding" if lap < 0 else f"lap {lap}", {"lap": str(lap)}),
         Diagnosis(
             "tsd: feedforward",
             WARN if vetoes else OK,
-            "; ".join(vetoes) or f"{100 * share:.0f} % phased in",
+            "; ".join(vetoes) or phased_in,
             {"share": f"{share:.3f}"},
         ),
         _periods(columns["missed"]),

@@ -47,8 +47,8 @@ class Log:
 
     @property
     def learned(self) -> tuple[str, ...]:
-        """The axes that are learned; all where the file does not tell."""
-        return self.axes if self.outline is None else self.axes[: self.outline.learned]
+        """The axes that are learned; none where the file does not tell."""
+        return () if self.outline is None else self.axes[: self.outline.learned]
 
     @property
     def laps_run(self) -> int:

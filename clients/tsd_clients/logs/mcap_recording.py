@@ -18,6 +18,7 @@ from tsd_clients.logs.cdr import CdrMessage
 from tsd_clients.logs.diagnostics import diagnose, diagnostic_array
 from tsd_clients.logs.link_frames import LinkFrames, contact_frame
 from tsd_clients.logs.mcap_file import McapFile
+from tsd_clients.logs.run_summary import metadata_of
 from tsd_clients.logs.tick_columns import column_sizes
 
 # so often links are drawn [s], about as a screen does: all of them are most of a tick's bytes
@@ -177,18 +178,6 @@ class McapRecording:
 
     def _topic(self, topic: str, kind: str, message: CdrMessage) -> Topic:
         return self._file.add_topic(topic, kind), message
-
-
-def metadata_of(outline: RunOutline, summary: Mapping[str, Any]) -> dict[str, str]:
-    """Say in short what a file is of, for those who list its metadata."""
-    return {
-        "robot": outline.robot,
-        "motion": outline.motion,
-        **{f"parameter {name}": f"{value:g}" for name, value in outline.parameters.items()},
-        "axes": " ".join(outline.axes),
-        "period_s": f"{outline.period:g}",
-        "aborted": summary.get("aborted") or "",
-    }
 
 
 def _known(values: Vector) -> Indices:

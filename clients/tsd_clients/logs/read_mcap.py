@@ -63,6 +63,12 @@ def read_mcap(path: Path) -> Log:
     )
 
 
+def beginning_of(path: Path) -> int:
+    """Tell when the time of a log was 0 [ns since 1970]."""
+    with _reader_of(path) as reader:
+        return next(each.log_time for each in reader.iter_attachments() if each.name == OUTLINE)
+
+
 @contextmanager
 def _reader_of(path: Path) -> Iterator[McapReader]:
     with path.open("rb") as file:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,10 @@ from numpy.typing import NDArray
 
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.state import Vector
+from tsd_casadi.wire.run_outline import RunOutline
 
 MEASURED = "measured_s"
+KILLED = "the run was killed"
 
 
 def run_summary(run: Run) -> dict[str, Any]:
@@ -40,3 +43,15 @@ def measured_ticks(fields: dict[str, Vector], summary: dict[str, Any]) -> NDArra
     if newest < 2:
         return np.zeros(len(time), dtype=bool)
     return np.asarray((lap >= newest - 2) & (lap < newest) & answered)
+
+
+def metadata_of(outline: RunOutline, summary: Mapping[str, Any]) -> dict[str, str]:
+    """Say in short what a file is of, for those who list its metadata."""
+    return {
+        "robot": outline.robot,
+        "motion": outline.motion,
+        **{f"parameter {name}": f"{value:g}" for name, value in outline.parameters.items()},
+        "axes": " ".join(outline.axes),
+        "period_s": f"{outline.period:g}",
+        "aborted": summary.get("aborted") or "",
+    }

@@ -20,6 +20,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from tsd_clients.logs.mcap_file import begin_mcap
+from tsd_clients.logs.run_summary import KILLED
 from tsd_clients.logs.unblocked_pipe import CAPACITY, FRAME
 
 OUTLINE, ROW, VETO, REQUEST, OUTCOME, SUMMARY = b"o", b"r", b"v", b"q", b"e", b"s"
@@ -62,7 +63,7 @@ class Writing:
         """Begin the file."""
         self._file, self._writer = file, begin_mcap(file)
         self._rows: list[bytes] = []
-        self._end: dict[str, Any] = {"aborted": "the run was killed"}
+        self._end: dict[str, Any] = {"aborted": KILLED}
         file.flush()
 
     def take(self, kind: bytes, content: bytes) -> None:
