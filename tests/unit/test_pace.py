@@ -296,7 +296,7 @@ class Still(Flat):
         return self.tau
 
 
-class Slow(plants.Mass):  # type: ignore[name-defined, misc]
+class SlowMass(plants.Mass):  # type: ignore[name-defined, misc]
     """A simulation that takes a while for each step."""
 
     def __init__(self, robot: Robot, clock: Clock, seconds: float) -> None:
@@ -337,3 +337,11 @@ def test_answers_that_became_slower_are_still_asked_for(
     pace = Pace(1.0, 10.0, Flat(robot.n), clock)
     run = repeat(SlowMass(robot, clock, 0.0), controller, SQUAT, pace=pace)
     assert not run.missed
+
+
+def test_where_nobody_is_every_period_asks(robot: Robot, tick_format: TickFormat) -> None:
+    clock = Clock()
+    controller = Moody(robot, tick_format, gap(300, 50, Cause.NOTHING_THERE))
+    pace = Pace(1.0, 10.0, Still(robot.n), clock)
+    run = repeat(SlowMass(robot, clock, 0.9 * PERIOD), controller, SQUAT, pace=pace)
+    assert run.missed == {"nothing there": 50}

@@ -105,9 +105,10 @@ class Periods:
             end = self._clock.now()
             if end > due and isinstance(answer, Tick):
                 answer = Missed(Cause.LATE, f"by {1e3 * (end - due):.3g} ms")
-            # one that did not come in time may have taken as long as a period
-            took = end - now if isinstance(answer, Tick) else self._duration
-            self._usual += NEWEST * (took - self._usual)
+            if isinstance(answer, Tick):
+                self._usual += NEWEST * (end - now - self._usual)
+            elif answer.cause is Cause.LATE:  # it may have taken as long as a period
+                self._usual += NEWEST * (self._duration - self._usual)
         if isinstance(answer, Tick):
             self._answered = now
         elif now - self._answered > self._pace.patience:
