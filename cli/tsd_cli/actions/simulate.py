@@ -24,12 +24,14 @@ from tsd_cli.actions.prepare import (
     make_simulator,
     open_controller,
 )
+from tsd_cli.actions.watchable import watchable
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.motion import FeedforwardChoice, MotionOptions, SingleRepetitionOptions
 from tsd_cli.options.output import LogOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
+from tsd_cli.options.telemetry import TelemetryOptions
 from tsd_cli.output import STDOUT, check_outputs, put_out
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.run_tables import print_runs
@@ -46,6 +48,7 @@ def simulate_once(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    watching: TelemetryOptions,
     output: LogOptions,
 ) -> None:
     """Simulate a repetition and show how it went.
@@ -65,6 +68,16 @@ def simulate_once(
     simulator = make_simulator(body, robot, repetition.period)
     correction = "".join(item.correction for item in compensators)
     learned = _ask(repetition.feedforward, robot, wanted, axes, correction, services)
+    told = {
+        **simulator.settings(),
+        "p_scale": gains.P,
+        "d_scale": gains.D,
+        "period_s": repetition.period,
+        "seed": repetition.seed,
+        "transport": services.controller.value,
+        "pace": time.pace,
+        "feedforward": repetition.feedforward.value,
+    }
     files = [str(file) for file in (output.log, output.json_file) if file not in (None, STDOUT)]
     log: RunLog | None = None
 
@@ -73,13 +86,14 @@ def simulate_once(
 
     with (
         keep_aborted(put_out_run, files) as keep,
+        watchable(watching, robot, told) as telemetry,
         open_controller(services, robot, time.patience) as controller,
         show_progress(describe_motion(wanted), 1.0) as progress,
     ):
         gates = gates_for(learned, robot, controller, wanted, gains, correction)
         # the gate before what adds to the feedforward: it is about the borrowed one
         compensators = [*gates, *compensators]
-        log = None if output.log is None else run_log(output.log, compensators)
+        log = None if output.log is None else run_log(output.log, compensators, told)
         run = simulator.run(
             controller,
             wanted,
@@ -88,13 +102,15 @@ def simulate_once(
             feedforward=learned,
             gains=gains,
             compensators=compensators,
-            observers=() if log is None else (log,),
+            observers=[each for each in (telemetry, log) if each is not None],
             seed=repetition.seed,
             transport=services.controller.value,
             progress=progress,
             pace=pace,
             on_abort=keep,
         )
+        if telemetry is not None:
+            telemetry.measured(run, what_to_try(run))
     for note in (*run.vetoes, *run.remarks, *what_to_try(run)):
         typer.echo(f"note: {note}", err=True)
     if why := why_infeasible(run):

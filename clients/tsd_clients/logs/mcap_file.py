@@ -15,7 +15,8 @@ CHUNK_SIZE = 65536
 LIBRARY = f"tsd_casadi {__version__}"
 TICK_TOPIC = "/tsd/tick"
 DESCRIPTION_TOPIC = "/robot_description"
-OUTLINE, SUMMARY, REQUEST = "outline.json", "summary.json", "infeasible_request.float64"
+OUTLINE, SETTINGS, SUMMARY = "outline.json", "settings.json", "summary.json"
+REQUEST = "infeasible_request.float64"
 METADATA = "tsd"
 # a player sends such a message also to who listens later; every field is asked for
 KEPT = """\

@@ -9,8 +9,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.exceptions.logs import LogNotWritten
@@ -26,6 +28,7 @@ from tsd_clients.telemetry.outline import outline_of
 
 # s; loading Python from a slow disk
 PATIENCE = 60.0
+NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 class McapLog:
@@ -35,18 +38,24 @@ class McapLog:
     else; ``conclude`` tells.
     """
 
-    def __init__(self, path: Path, compensators: Sequence[Compensator] = ()) -> None:
+    def __init__(
+        self,
+        path: Path,
+        compensators: Sequence[Compensator] = (),
+        settings: Mapping[str, Any] = NONE,
+    ) -> None:
         """Prepare; the file is made when the repetition begins.
 
         Args:
             path: The file.
             compensators: Of the repetition; when one drops the feedforward is noted.
+            settings: Of the run as far as they are known before it, plain data.
 
         Raises:
             MissingExtra: If the library that writes it is not installed.
         """
         check_log_path(path)
-        self._path = path
+        self._path, self._settings = path, dict(settings)
         self._compensators = list(compensators)
 
     def start(self, setting: Setting) -> None:
@@ -74,6 +83,7 @@ class McapLog:
             os.close(source)
         began = write_mcap.BEGAN.pack(time.time_ns())
         self._pipe.put(write_mcap.OUTLINE, began + outline_of(setting).encode())
+        self._pipe.put(write_mcap.SETTINGS, json.dumps(self._settings).encode())
         self._wait_until_ready()
 
     def tick(self, moment: Moment) -> None:

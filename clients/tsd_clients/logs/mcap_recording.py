@@ -72,6 +72,10 @@ class McapRecording:
         self._next_links = self._next_diagnosis = 0.0
         self._undiagnosed: list[Mapping[str, Vector]] = []
 
+    def add_settings(self, settings: bytes) -> None:
+        """Attach how the run was set up, JSON."""
+        self._file.attach(mcap_file.SETTINGS, "application/json", settings)
+
     def add_ticks(self, columns: Mapping[str, Vector]) -> None:
         """Write ticks.
 

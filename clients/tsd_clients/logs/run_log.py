@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.observer import Observer
 from tsd_casadi.repetition.run import Run
 from tsd_clients.logs.log_file import MCAP, save_log
-from tsd_clients.logs.mcap_log import McapLog
+from tsd_clients.logs.mcap_log import NONE, McapLog
 from tsd_clients.telemetry.outline import outline_of
 
 
@@ -54,15 +54,18 @@ class WholeLog:
         save_log(run, self._path, self._outline)
 
 
-def run_log(path: Path, compensators: Sequence[Compensator] = ()) -> RunLog:
+def run_log(
+    path: Path, compensators: Sequence[Compensator] = (), settings: Mapping[str, Any] = NONE
+) -> RunLog:
     """Choose how a run is written down, by the ending of the file.
 
     Args:
         path: Ends in .csv, .npz or .mcap.
         compensators: Of the run.
+        settings: Of the run, plain data; a .mcap has them also of a run that is killed.
 
     Raises:
         InvalidValue: If it has another ending.
         MissingExtra: If the library of its format is not installed.
     """
-    return McapLog(path, compensators) if path.suffix.lower() == MCAP else WholeLog(path)
+    return McapLog(path, compensators, settings) if path.suffix.lower() == MCAP else WholeLog(path)

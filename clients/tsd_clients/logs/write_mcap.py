@@ -2,8 +2,8 @@
 
 Run: python -m tsd_clients.logs.write_mcap FILE
 
-Reads frames from stdin: the outline first, then rows, vetoes and at most one request
-without a solution, a summary at the end. Says 'ready' when the file is open. Whatever
+Reads frames from stdin: outline and settings first, then rows, vetoes and at most one
+request without a solution, a summary at the end. Says 'ready' when the file is open. Whatever
 ends the run, also its kill, ends stdin, and the file is made whole.
 """
 
@@ -23,7 +23,8 @@ from tsd_clients.logs.mcap_file import begin_mcap
 from tsd_clients.logs.run_summary import KILLED
 from tsd_clients.logs.unblocked_pipe import CAPACITY, FRAME
 
-OUTLINE, ROW, VETO, REQUEST, OUTCOME, SUMMARY = b"o", b"r", b"v", b"q", b"e", b"s"
+OUTLINE, SETTINGS, ROW, VETO = b"o", b"g", b"r", b"v"
+REQUEST, OUTCOME, SUMMARY = b"q", b"e", b"s"
 BEGAN = struct.Struct("<Q")
 READY = b"ready\n"
 # least of all: a tick never waits for the file
@@ -82,6 +83,8 @@ class Writing:
             (began,) = BEGAN.unpack_from(content)
             self._outline = RunOutline.decode(content[BEGAN.size :])
             self._recording = McapRecording(self._writer, self._outline, began)
+        elif kind == SETTINGS:
+            self._recording.add_settings(content)
         elif kind == VETO:
             self._recording.add_veto(content.decode())
         elif kind == REQUEST:
