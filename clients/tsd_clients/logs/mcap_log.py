@@ -129,8 +129,15 @@ class McapLog:
             LogNotWritten: If it cannot be.
         """
         self._pipe.close()
-        if self._process.wait() != 0:
-            raise LogNotWritten(self.path, self._reason())
+        code = self._process.wait()
+        reason = self._reason()
+        if code != 0:
+            raise LogNotWritten(self.path, reason)
+
+    @property
+    def writer(self) -> int:
+        """Number of the process that writes."""
+        return self._process.pid
 
     def _note_vetoes(self) -> None:
         for each in self._vetoes:
@@ -149,12 +156,15 @@ class McapLog:
         self._process.kill()
         self._process.wait()
         self._pipe.close()
-        reason = self._reason() if readable else f"its writer did not start within {PATIENCE:g} s"
+        reason = self._reason()
+        if not readable:
+            reason = f"its writer did not start within {PATIENCE:g} s"
         raise LogNotWritten(self.path, reason)
 
     def _reason(self) -> str:
-        self._words.seek(0)
-        lines = self._words.read().decode(errors="replace").strip().splitlines()
+        with self._words as words:
+            words.seek(0)
+            lines = words.read().decode(errors="replace").strip().splitlines()
         code = self._process.returncode
         if lines:
             return lines[-1]
