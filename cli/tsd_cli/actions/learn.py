@@ -14,8 +14,10 @@ from tsd_casadi.learning.rules.by_name import find_rule
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.record import context_of
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.actions.aborted import ABORTED, put_out_on_interrupt
+from tsd_cli.actions.film import Footage, open_viewer
 from tsd_cli.actions.open_learner import open_learner
 from tsd_cli.actions.prepare import (
     asked_motion,
@@ -29,6 +31,7 @@ from tsd_cli.actions.prepare import (
 from tsd_cli.actions.region import default_name, describe_chosen, read_region
 from tsd_cli.actions.story import Story
 from tsd_cli.interrupt import interruptible
+from tsd_cli.options.film import FilmOptions
 from tsd_cli.options.learning import FirstChoice, LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
 from tsd_cli.options.output import JsonOptions
@@ -49,6 +52,7 @@ def learn_by_repetition(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    film: FilmOptions,
     output: JsonOptions,
 ) -> None:
     """Learn at one place or at several, and show how it went.
@@ -59,6 +63,7 @@ def learn_by_repetition(
     """
     check_outputs(output)
     robot = load_robot(body.robot)
+    footage = Footage(film, robot)
     wanted = asked_motion(motion, robot)
     axes = chosen_axes(motion, robot, wanted)
     if learning.iterations < 1:
@@ -85,11 +90,16 @@ def learn_by_repetition(
         if failure is None or story.summaries:
             put_out(result, output, lambda: story.show(wanted, rule, places))
 
+    def keep_run(run: Run, notes: list[str]) -> None:
+        story.keep_run(run, notes)
+        footage.keep_last_lap(run)
+
     with (
         put_out_on_interrupt(put_out_story),
         open_learner(services) as learner,
         open_controller(services, robot, time.patience) as controller,
         show_progress(f"learning {wanted.name}", runs) as progress,
+        open_viewer(film, robot) as viewers,
     ):
 
         def progress_of(_: Motion, __: int) -> Any:
@@ -113,7 +123,8 @@ def learn_by_repetition(
             transport=services.controller.value,
             pace=pace,
             progress=progress_of,
-            on_run=story.keep_run,
+            observers=viewers,
+            on_run=keep_run,
             on_learned=story.keep_contractions,
             on_abort=story.keep_aborted,
         )
@@ -148,6 +159,7 @@ def learn_by_repetition(
                 failure = error  # shown after what was learned before it
             story.keep_place(place, before)
     put_out_story()
+    footage.make()
     if failure is not None and story.was_aborted:
         typer.echo(f"error: {failure}", err=True)
         raise typer.Exit(ABORTED)

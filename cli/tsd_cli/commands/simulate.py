@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tsd_cli.option_groups import with_groups
+from tsd_cli.options.film import FilmOptions
 from tsd_cli.options.motion import MotionOptions, SingleRepetitionOptions
 from tsd_cli.options.output import LogOptions
 from tsd_cli.options.pace import PaceOptions
@@ -17,6 +18,7 @@ def simulate(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    film: FilmOptions,
     output: LogOptions,
 ) -> None:
     """Simulate one repetition, asking the controller at every tick.
@@ -34,6 +36,11 @@ def simulate(
 
       tsd simulate squat --pace 1 --patience inf
 
+    A film of it, and on a desktop a window while it moves; docs/films.md:
+
+      tsd simulate squat --controller local --video squat.mp4
+      tsd simulate squat --viewer --pace 1
+
     Another motion, with its own parameters, and one of your own:
 
       tsd simulate twist --amplitude 0.15 --frequency 0.5
@@ -41,4 +48,4 @@ def simulate(
     """
     from tsd_cli.actions.simulate import simulate_once
 
-    simulate_once(motion, repetition, time, body, services, output)
+    simulate_once(motion, repetition, time, body, services, film, output)
