@@ -48,7 +48,7 @@ def film_learning() -> list[Clip]:
             rule=RULE,
             on_run=keep,
         )
-    title = f"G1 learns a squat, {-100 * MODEL_ERROR:g} % heavier than it believes"
+    title = f"G1 learns a squat: its model is {-100 * MODEL_ERROR:g} % too light"
     make_film(robot, clips, TARGET, title, SIZE)
     return clips
 

@@ -30,6 +30,7 @@ from tsd_cli.actions.prepare import (
 )
 from tsd_cli.actions.region import default_name, describe_chosen, read_region
 from tsd_cli.actions.story import Story
+from tsd_cli.actions.watchable import watchable
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.film import FilmOptions
 from tsd_cli.options.learning import FirstChoice, LearningOptions, PlaceOptions
@@ -38,9 +39,11 @@ from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
+from tsd_cli.options.telemetry import TelemetryOptions
 from tsd_cli.output import check_outputs, put_out
 from tsd_clients.console.progress import show_progress
 from tsd_clients.remote.remote_learner import RemoteLearner
+from tsd_clients.telemetry.telling_learner import TellingLearner
 
 
 @interruptible("what was recorded before is kept")
@@ -53,6 +56,7 @@ def learn_by_repetition(
     body: SimulatedRobotOptions,
     services: ServiceOptions,
     film: FilmOptions,
+    watching: TelemetryOptions,
     output: JsonOptions,
 ) -> None:
     """Learn at one place or at several, and show how it went.
@@ -82,6 +86,17 @@ def learn_by_repetition(
             typer.echo(f"note: {line}", err=True)
     story = Story()
     failure: TsdError | None = None
+    told = {
+        **simulator.settings(),
+        "p_scale": gains.P,
+        "d_scale": gains.D,
+        "period_s": repetition.period,
+        "seed": repetition.seed,
+        "transport": services.controller.value,
+        "pace": time.pace,
+        "rule": rule.name,
+        "iterations": learning.iterations,
+    }
     runs = (learning.iterations + 1.0) * max(places.auto, 1)
 
     def put_out_story() -> None:
@@ -90,12 +105,9 @@ def learn_by_repetition(
         if failure is None or story.summaries:
             put_out(result, output, lambda: story.show(wanted, rule, places))
 
-    def keep_run(run: Run, notes: list[str]) -> None:
-        story.keep_run(run, notes)
-        footage.keep_last_lap(run)
-
     with (
         put_out_on_interrupt(put_out_story),
+        watchable(watching, robot, told) as telemetry,
         open_learner(services) as learner,
         open_controller(services, robot, time.patience) as controller,
         show_progress(f"learning {wanted.name}", runs) as progress,
@@ -106,11 +118,17 @@ def learn_by_repetition(
             before = len(story.summaries)
             return lambda done, total: progress(before + done / total, runs)
 
+        def keep_run(run: Run, notes: list[str]) -> None:
+            story.keep_run(run, notes)
+            footage.keep_last_lap(run)
+            if telemetry is not None:
+                telemetry.measured(run, notes)
+
         learn_at = partial(
             learn,
             simulator,
             controller,
-            learner=learner,
+            learner=learner if telemetry is None else TellingLearner(learner, telemetry),
             axes=axes,
             iterations=learning.iterations,
             patience=rule.patience if learning.stop_after is None else learning.stop_after,
@@ -119,11 +137,11 @@ def learn_by_repetition(
             laps=repetition.laps,
             gains=gains,
             compensators=compensators,
+            observers=[*viewers, *([] if telemetry is None else [telemetry])],
             seed=repetition.seed,
             transport=services.controller.value,
             pace=pace,
             progress=progress_of,
-            observers=viewers,
             on_run=keep_run,
             on_learned=story.keep_contractions,
             on_abort=story.keep_aborted,

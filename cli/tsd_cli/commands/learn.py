@@ -10,6 +10,7 @@ from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
+from tsd_cli.options.telemetry import TelemetryOptions
 
 
 @with_groups
@@ -22,6 +23,7 @@ def learn(
     body: SimulatedRobotOptions,
     services: ServiceOptions,
     film: FilmOptions,
+    watching: TelemetryOptions,
     output: JsonOptions,
 ) -> None:
     """Learn a motion's feedforward by repeating it; continues an existing entry.
@@ -41,4 +43,15 @@ def learn(
     """
     from tsd_cli.actions.learn import learn_by_repetition
 
-    learn_by_repetition(motion, learning, places, repetition, time, body, services, film, output)
+    learn_by_repetition(
+        motion,
+        learning,
+        places,
+        repetition,
+        time,
+        body,
+        services,
+        film,
+        watching,
+        output,
+    )

@@ -9,6 +9,7 @@ from tsd_cli.options.output import LogOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
+from tsd_cli.options.telemetry import TelemetryOptions
 
 
 @with_groups
@@ -19,6 +20,7 @@ def simulate(
     body: SimulatedRobotOptions,
     services: ServiceOptions,
     film: FilmOptions,
+    watching: TelemetryOptions,
     output: LogOptions,
 ) -> None:
     """Simulate one repetition, asking the controller at every tick.
@@ -48,4 +50,4 @@ def simulate(
     """
     from tsd_cli.actions.simulate import simulate_once
 
-    simulate_once(motion, repetition, time, body, services, film, output)
+    simulate_once(motion, repetition, time, body, services, film, watching, output)

@@ -109,7 +109,8 @@ def _name_times(chart: Any, clips: Sequence[Clip]) -> None:
         return
     seconds = np.array([clip.seconds for clip in clips])
     chart.set_xticks(np.cumsum(seconds) - 0.5 * seconds, [clip.label for clip in clips])
-    chart.tick_params(axis="x", length=0)
+    for each in chart.figure.axes:
+        each.tick_params(axis="x", length=0)
 
 
 def _joined(clips: Sequence[Clip], starts: Vector, name: str) -> tuple[Vector, Matrix]:
