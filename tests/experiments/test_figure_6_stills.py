@@ -9,7 +9,7 @@ from matplotlib import pyplot as plt
 from PIL import Image, ImageSequence
 
 from tsd_casadi import Robot
-from tsd_clients.viewer import rendering
+from tsd_clients.film import rendering
 from tsd_experiments.harness.experiment import Experiment
 from tsd_experiments.harness.job import Result
 from tsd_experiments.paper.figure_6_stills import HEIGHT, JOB, RATE, STILLS, WIDTH, Stills, movie

@@ -11,13 +11,13 @@ import pytest
 from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.robot.standing import stand
+from tsd_clients.film import rendering
+from tsd_clients.film.picture_scene import load_picture_scene
+from tsd_clients.film.rendering import HINT, render_postures, side_by_side
+from tsd_clients.film.visual_geoms import add_visuals
 from tsd_clients.simulator.build_scene import build_scene
 from tsd_clients.simulator.parity import measure_parity
 from tsd_clients.simulator.state_map import StateMap
-from tsd_clients.viewer import rendering
-from tsd_clients.viewer.picture_scene import load_picture_scene
-from tsd_clients.viewer.rendering import HINT, render_postures, side_by_side
-from tsd_clients.viewer.visual_geoms import add_visuals
 
 
 def test_a_lower_posture_is_a_lower_picture(robot: Robot) -> None:

@@ -13,7 +13,7 @@ from tsd_casadi.robot.collada import turn_of
 from tsd_casadi.robot.geometry import load_geometry
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
-from tsd_clients.viewer.triangles import triangles
+from tsd_clients.film.triangles import triangles
 
 # MuJoCo takes 200,000 in a mesh
 FACES = 100_000

@@ -144,7 +144,7 @@ def _render_apart(library: str, arguments: list[str], patience: float) -> bool:
     Raises:
         RobotFileError: If the robot cannot be drawn, with any library.
     """
-    command = [sys.executable, "-m", "tsd_clients.viewer.drawing", *arguments]
+    command = [sys.executable, "-m", "tsd_clients.film.drawing", *arguments]
     environment = {**os.environ, "MUJOCO_GL": library}
     try:
         done = subprocess.run(

@@ -8,10 +8,10 @@ import mujoco
 
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.robot.robot import Robot
+from tsd_clients.film.visual_geoms import add_visuals
 from tsd_clients.simulator.build_scene import build_scene
 from tsd_clients.simulator.ground import FLOOR
 from tsd_clients.simulator.scene import load_scene
-from tsd_clients.viewer.visual_geoms import add_visuals
 
 SKY = ((0.93, 0.95, 0.97), (0.75, 0.80, 0.86))
 TILES = ((0.80, 0.82, 0.84), (0.72, 0.74, 0.77))

@@ -12,9 +12,9 @@ import numpy as np
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.state import State
+from tsd_clients.film.picture_scene import load_picture_scene
+from tsd_clients.film.rendering import REFUSED
 from tsd_clients.simulator.state_map import StateMap
-from tsd_clients.viewer.picture_scene import load_picture_scene
-from tsd_clients.viewer.rendering import REFUSED
 
 # GL without a graphics card draws shadows of 4096 x 4096 for seconds [pixels]
 SHADOW = 1024
