@@ -22,6 +22,7 @@ from tsd_cli.commands.robot import check_robot, list_robots, new_robot
 from tsd_cli.commands.services import controller, learner
 from tsd_cli.commands.simulate import simulate
 from tsd_cli.commands.status import status
+from tsd_cli.commands.view import view
 from tsd_cli.help_text import unwrap
 from tsd_cli.motion_parameters import named_motion, with_parameters
 
@@ -57,6 +58,7 @@ COMMANDS = (
     status,
     simulate,
     learn,
+    view,
     explain,
     calibrate,
     query,

@@ -9,6 +9,7 @@ what was expected and what to do about it::
     ├── MalformedMessage        (a ValueError) bytes or JSON that cannot be read
     │   ├── UnsupportedVersion
     │   └── LayoutMismatch
+    ├── MissingExtra            a library that an extra brings is not installed
     ├── SimulationError         a simulation that cannot be carried out
     ├── RobotError              the robot's files
     │   ├── RobotFileError
@@ -59,6 +60,7 @@ from tsd_casadi.exceptions.learning import (
     LearningError,
     OutsideTrainedRange,
 )
+from tsd_casadi.exceptions.missing_extra import MissingExtra
 from tsd_casadi.exceptions.robot import ParityError, RobotError, RobotFileError, UnknownRobot
 from tsd_casadi.exceptions.services import (
     AlreadyRunning,
@@ -97,6 +99,7 @@ __all__ = [
     "LayoutMismatch",
     "LearningError",
     "MalformedMessage",
+    "MissingExtra",
     "NotLoadable",
     "OutsideTrainedRange",
     "ParityError",

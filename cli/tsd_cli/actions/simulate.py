@@ -26,12 +26,14 @@ from tsd_cli.actions.prepare import (
     make_simulator,
     open_controller,
 )
+from tsd_cli.actions.watchable import watchable
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.motion import FeedforwardChoice, MotionOptions, SingleRepetitionOptions
 from tsd_cli.options.output import LogOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
+from tsd_cli.options.telemetry import TelemetryOptions
 from tsd_cli.output import STDOUT, check_outputs, put_out
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.run_tables import print_runs
@@ -47,6 +49,7 @@ def simulate_once(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    watching: TelemetryOptions,
     output: LogOptions,
 ) -> None:
     """Simulate a repetition and show how it went.
@@ -66,9 +69,20 @@ def simulate_once(
     simulator = make_simulator(body, robot, repetition.period)
     correction = "".join(item.correction for item in compensators)
     learned = _ask(repetition.feedforward, robot, wanted, axes, correction, services)
+    told = {
+        **simulator.settings(),
+        "p_scale": gains.P,
+        "d_scale": gains.D,
+        "period_s": repetition.period,
+        "seed": repetition.seed,
+        "transport": services.controller.value,
+        "pace": time.pace,
+        "feedforward": repetition.feedforward.value,
+    }
     files = [str(file) for file in (output.log, output.json_file) if file not in (None, STDOUT)]
     with (
         keep_aborted(partial(_put_out, output=output), files) as keep,
+        watchable(watching, robot, told) as telemetry,
         open_controller(services, robot, time.patience) as controller,
         show_progress(describe_motion(wanted), 1.0) as progress,
     ):
@@ -82,12 +96,15 @@ def simulate_once(
             gains=gains,
             # the gate before what adds to the feedforward: it is about the borrowed one
             compensators=[*gates, *compensators],
+            observers=[] if telemetry is None else [telemetry],
             seed=repetition.seed,
             transport=services.controller.value,
             progress=progress,
             pace=pace,
             on_abort=keep,
         )
+        if telemetry is not None:
+            telemetry.measured(run, what_to_try(run))
     for note in (*run.vetoes, *run.remarks, *what_to_try(run)):
         typer.echo(f"note: {note}", err=True)
     if why := why_infeasible(run):

@@ -9,6 +9,7 @@ from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
+from tsd_cli.options.telemetry import TelemetryOptions
 
 
 @with_groups
@@ -20,6 +21,7 @@ def learn(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    watching: TelemetryOptions,
     output: JsonOptions,
 ) -> None:
     """Learn a motion's feedforward by repeating it; continues an existing entry.
@@ -35,4 +37,6 @@ def learn(
     """
     from tsd_cli.actions.learn import learn_by_repetition
 
-    learn_by_repetition(motion, learning, places, repetition, time, body, services, output)
+    learn_by_repetition(
+        motion, learning, places, repetition, time, body, services, watching, output
+    )

@@ -8,6 +8,7 @@ from tsd_cli.options.output import LogOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
+from tsd_cli.options.telemetry import TelemetryOptions
 
 
 @with_groups
@@ -17,6 +18,7 @@ def simulate(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    watching: TelemetryOptions,
     output: LogOptions,
 ) -> None:
     """Simulate one repetition, asking the controller at every tick.
@@ -41,4 +43,4 @@ def simulate(
     """
     from tsd_cli.actions.simulate import simulate_once
 
-    simulate_once(motion, repetition, time, body, services, output)
+    simulate_once(motion, repetition, time, body, services, watching, output)

@@ -56,6 +56,7 @@ class Replay:
                 (task.name, axis) for task in robot.description.all_tasks for axis in task.axes
             ),
             limit_rows=limit_rows_of_log(robot.joint_names),
+            torque_limits=robot.torque_limit,
         )
         self.begin, self.end = float(self._ticks.time[0]), float(self._ticks.time[-1])
         self.speed, self.playing = 1.0, True

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from tsd_casadi.state import Vector
 from tsd_clients.viewer.ticks import Ticks
 
 
@@ -24,6 +25,7 @@ class RunLabel:
         contacts: In the order of the wrenches.
         all_axes: (task, axis) in the order of all errors.
         limit_rows: Names of the rows that can be bounded.
+        torque_limits: By joint, (n,) [N m].
     """
 
     key: str
@@ -37,6 +39,7 @@ class RunLabel:
     contacts: tuple[str, ...]
     all_axes: tuple[tuple[str, str], ...]
     limit_rows: tuple[str, ...]
+    torque_limits: Vector
 
     @property
     def title(self) -> str:

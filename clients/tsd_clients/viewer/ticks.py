@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from tsd_casadi.state import Matrix, Vector
+from tsd_casadi.tick.layout import Layout
 from tsd_casadi.wire.run_outline import RunOutline
 from tsd_clients.logs.read_log import Log
 
@@ -31,7 +32,7 @@ class Ticks:
         wrenches: Planned contact wrenches, (T, c, 6) [N, N m].
         bounds: What bounds each row of ``limit_rows``, as in a reply's ``active``, (T, r).
         status: How the tick ended, -1 without an answer, (T,).
-        tick_us: Round trip, (T,) [us].
+        tick_us: Round trip, the longest since the tick before, (T,) [us].
     """
 
     time: Vector
@@ -61,16 +62,15 @@ class Ticks:
 
 
 class RowReader:
-    """Reads rows of a run that publishes itself.
+    """Reads rows of a run that publishes itself."""
 
-    Attributes:
-        size: Of a row.
-    """
+    def __init__(self, outline: RunOutline, layout: Layout) -> None:
+        """Look up where everything is.
 
-    def __init__(self, outline: RunOutline) -> None:
-        """Look up where everything is."""
-        known, layout = outline.known, outline.layout
-        self.size = layout.size
+        Args:
+            layout: Of a row: that of the outline, and more behind it.
+        """
+        known = outline.known
         self._layout = layout.slices
         start = layout.slice("reply").start
         self._reply = {
@@ -84,7 +84,7 @@ class RowReader:
         """Read rows.
 
         Args:
-            rows: (T, size).
+            rows: (T, layout.size).
         """
         column = {name: rows[:, place] for name, place in self._layout.items()}
         reply = {name: rows[:, place] for name, place in self._reply.items()}
@@ -103,7 +103,7 @@ class RowReader:
             wrenches=reply["wrenches"].reshape(len(rows), -1, 6),
             bounds=np.nan_to_num(reply["active"]),
             status=np.nan_to_num(rows[:, self._reply["status"].start], nan=-1.0),
-            tick_us=column["tick_us"][:, 0],
+            tick_us=column["tick_us_largest"][:, 0],
         )
 
 

@@ -1,0 +1,108 @@
+"""The live page, for the command line."""
+
+from __future__ import annotations
+
+import ipaddress
+import webbrowser
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+import typer
+
+from tsd_casadi.exceptions import MissingExtra
+from tsd_casadi.robot.robot import load_robot
+from tsd_cli.interrupt import interruptible
+from tsd_cli.options.page import PageOptions, ReplayOptions
+from tsd_cli.options.robot import RobotOptions
+from tsd_clients.logs.read_log import read_log
+
+if TYPE_CHECKING:
+    from tsd_clients.viewer.page import Page
+    from tsd_clients.viewer.page_server import PageServer
+
+
+def show_page(options: PageOptions, replay: ReplayOptions) -> None:
+    """Serve the page until Ctrl-C.
+
+    Raises:
+        TsdError: If it cannot be served, or the log cannot be used.
+    """
+    for library in ("viser", "fast_simplification"):
+        if find_spec(library) is None:
+            raise MissingExtra("the live page", library, "view")
+    _serve(options, replay)
+
+
+@interruptible()
+def _serve(options: PageOptions, replay: ReplayOptions) -> None:
+    from tsd_clients.viewer.page_server import open_server
+
+    server = open_server(options.listen_on, options.port)
+    page = _live(server) if replay.log is None else _replayed(server, replay)
+    port = server.get_port()
+    if port != options.port:
+        typer.echo(f"note: port {options.port} is taken", err=True)
+    if not _is_loopback(options.listen_on):
+        typer.echo(
+            f"WARNING: everybody who reaches {options.listen_on} sees this page and its robots, "
+            "without a password",
+            err=True,
+        )
+    address = f"http://{options.listen_on}:{port}"
+    typer.echo(f"page at {address}, Ctrl-C ends it")
+    if options.browse:
+        webbrowser.open(address)
+    page.run()
+
+
+def _live(server: PageServer) -> Page:
+    from tsd_clients.viewer.live_runs import LiveRuns
+    from tsd_clients.viewer.page import Page
+    from tsd_clients.viewer.panels.joint_panel import JointPanel
+    from tsd_clients.viewer.panels.motion_panel import MotionPanel
+    from tsd_clients.viewer.panels.robot_panel import RobotPanel
+    from tsd_clients.viewer.panels.run_panel import RunPanel
+    from tsd_clients.viewer.panels.service_panel import ServicePanel
+    from tsd_clients.viewer.service_watch import ServiceWatch
+
+    runs, watch = LiveRuns(), ServiceWatch()
+    chosen = RunPanel(runs)
+    panels = (
+        chosen,
+        MotionPanel(chosen),
+        JointPanel(chosen),
+        ServicePanel(watch),
+        RobotPanel(runs),
+    )
+    return Page(server, (runs, watch), panels)
+
+
+def _replayed(server: PageServer, options: ReplayOptions) -> Page:
+    from tsd_clients.viewer.page import Page
+    from tsd_clients.viewer.panels.joint_panel import JointPanel
+    from tsd_clients.viewer.panels.motion_panel import MotionPanel
+    from tsd_clients.viewer.panels.replay_panel import ReplayPanel
+    from tsd_clients.viewer.panels.robot_panel import RobotPanel
+    from tsd_clients.viewer.panels.run_panel import RunPanel
+    from tsd_clients.viewer.replay import Replay
+
+    assert options.log is not None
+    log = read_log(options.log)
+    robot = load_robot(options.robot or log.robot or RobotOptions().robot)
+    replay = Replay(options.log, log, robot)
+    chosen = RunPanel(replay)
+    panels = (
+        ReplayPanel(replay),
+        chosen,
+        MotionPanel(chosen),
+        JointPanel(chosen),
+        RobotPanel(replay),
+    )
+    return Page(server, (replay,), panels)
+
+
+def _is_loopback(address: str) -> bool:
+    try:
+        return ipaddress.ip_address(address).is_loopback
+    except ValueError:
+        return address == "localhost"
