@@ -16,13 +16,15 @@ from tsd_clients.viewer.line_chart import COLORS, STYLE, Line, LineChart, Shade
 from tsd_clients.viewer.motion_controls import MotionControls
 from tsd_clients.viewer.panel import Panel
 from tsd_clients.viewer.prediction import PHASE, LearnedCurve, Prediction
+from tsd_clients.viewer.run_buttons import RunButtons
 
 AS_RUN = "learned where it is, else generalised"
-GENERALISED = "always generalised"
+GENERALIZED = "always generalised"
 NOTHING_LEARNED = (
     "**Nothing was learned yet.** `tsd learn squat --amplitude 0.04 --model-error 0.1` at two or "
     "three amplitudes, and a slider appears here."
 )
+NOT_ALLOWED = "`tsd view --allow-run` has buttons here that simulate and learn this motion."
 ANSWER, OF_ENTRIES = COLORS[0], ("#495057", "#868e96", "#adb5bd", "#ced4da")
 
 
@@ -31,9 +33,13 @@ class ExplorerPanel(Panel):
 
     title = "Explorer"
 
-    def __init__(self, link: LearnerLink) -> None:
-        """Show what a learner answers."""
-        self._link = link
+    def __init__(self, link: LearnerLink, buttons: RunButtons | None = None) -> None:
+        """Show what a learner answers.
+
+        Args:
+            buttons: Run a motion at the sliders' values; None where that is not allowed.
+        """
+        self._link, self._buttons = link, buttons
         self._charts: dict[str, LineChart] = {}
         self._shown: object = None
         self._listed = -1
@@ -47,7 +53,7 @@ class ExplorerPanel(Panel):
         self._controls = MotionControls(server.gui)
         self._kind = server.gui.add_dropdown(
             "Answer",
-            (AS_RUN, GENERALISED),
+            (AS_RUN, GENERALIZED),
             hint="Where an entry is exactly there: what was learned, or what the others predict.",
             visible=False,
         )
@@ -59,6 +65,10 @@ class ExplorerPanel(Panel):
         )
         self._answer = server.gui.add_html("")
         self._folder = server.gui.add_folder(None)
+        if self._buttons is None:
+            server.gui.add_markdown(NOT_ALLOWED)
+        else:
+            self._buttons.build(server.gui)
         self._notes = server.gui.add_markdown("")
 
     @property
@@ -67,7 +77,7 @@ class ExplorerPanel(Panel):
         known = self._controls.known
         if known is None:
             return None
-        kind = "generalised" if self._kind.value == GENERALISED else None
+        kind = "generalised" if self._kind.value == GENERALIZED else None
         return Asked(known, self._controls.parameters, kind, bool(self._beyond.value))
 
     def update(self, now: float) -> None:
@@ -82,6 +92,8 @@ class ExplorerPanel(Panel):
         if asked is not None and asked != self._asked:
             self._asked = asked
             self._link.ask(asked)
+        if self._buttons is not None:
+            self._buttons.update(asked)
         state = self._state_text()
         if state != self._state.content:
             self._state.content = state
