@@ -42,17 +42,18 @@ class ContactMarks:
         """
         self._robot = robot
         self.feet_on: tuple[str, ...] = ()
-        # a force of the whole weight is as long as the centre of mass is high
-        self._scale = float(robot.home_com[2]) / robot.weight
+        # half of the weight, a foot's share, reaches as high as the centre of mass: past
+        # the shins in which shorter arrows would hide
+        self._scale = 2.0 * float(robot.home_com[2]) / robot.weight
         size = float(robot.home_com[2])
         self._forces_root = scene.add_frame(f"{root}/forces", show_axes=False)
         self._arrows = scene.add_arrows(
             f"{root}/forces/arrows",
             np.zeros((len(robot.feet), 2, 3)),
             FORCE,
-            shaft_radius=0.014 * size,
-            head_radius=0.035 * size,
-            head_length=0.07 * size,
+            shaft_radius=0.018 * size,
+            head_radius=0.045 * size,
+            head_length=0.1 * size,
         )
         self._support_root = scene.add_frame(f"{root}/support", show_axes=False)
         self._polygon = scene.add_line_segments(

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 # a look at the run directory costs some system calls [s]
 LOOK = 0.25
-# rows that are kept: what the charts show at what is published, some 50 a second, with room
-ROWS = 1000
+# rows that are kept: ten seconds and some more of what is published, 50 a second
+ROWS = 600
 # of runs that are over, so many stay
 OVER = 3
 
@@ -103,7 +103,8 @@ class LiveRun:
             robot=outline.robot,
             robot_file=outline.robot_file,
             model=outline.model,
-            motion=f"{outline.motion} ({parameters})" if parameters else outline.motion,
+            motion=outline.motion,
+            parameters=parameters,
             axes=outline.axes,
             learned=outline.learned,
             joints=known.joints,

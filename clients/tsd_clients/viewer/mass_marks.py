@@ -79,13 +79,13 @@ class MassMarks:
         if known:
             true = self._robot.center_of_mass(_unit(ticks.true_q[-1]))
             # the plant's own masses: its error tells what the controller's model cannot
-            for component, place in self._true_errors:
-                error = ticks.true_error[-1, place]
+            for component, axis in self._true_errors:
+                error = ticks.true_error[-1, axis]
                 if np.isfinite(error):
                     true[component] = reference[component] - error
         self._balls["true"].visible = known
-        for name, place in (("estimated", estimated), ("reference", reference), ("true", true)):
-            self._balls[name].position = place
+        for name, com in (("estimated", estimated), ("reference", reference), ("true", true)):
+            self._balls[name].position = com
         ground = np.array((*estimated[:2], ABOVE_GROUND))
         self._plumb.points = np.array([[estimated, ground]], dtype=np.float32)
 

@@ -48,6 +48,7 @@ class Replay:
             robot_file=str(robot.path),
             model=log.model,
             motion=path.name,
+            parameters="",
             axes=log.axes,
             learned=len(log.axes),
             joints=tuple(robot.joint_names),
@@ -90,7 +91,7 @@ class Replay:
     @property
     def state(self) -> str:
         """Where it stands."""
-        return f"{'playing' if self.playing else 'halted'}, {self._time:.2f} of {self.end:.2f} s"
+        return "playing" if self.playing else "paused"
 
     @property
     def ticks(self) -> Ticks:

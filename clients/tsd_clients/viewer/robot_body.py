@@ -17,6 +17,7 @@ from tsd_clients.viewer.robot_shapes import Shape
 UNSEEN = 1e-5
 GHOST = (90, 140, 220)
 GHOST_OPACITY = 0.22
+SEE_THROUGH = 0.45
 
 
 class RobotBody:
@@ -51,18 +52,23 @@ class RobotBody:
         self._joints = [
             scene.add_frame(name, show_axes=False, wxyz=(1.0, 0.0, 0.0, 0.0)) for name in names[1:]
         ]
+        self._meshes: list[viser.MeshHandle] = []
+        self._transparent = False
         for number, shape in enumerate(shapes):
-            color = GHOST if ghost else tuple(round(255 * part) for part in shape.color)
-            scene.add_mesh_simple(
+            color = np.array(GHOST if ghost else shape.color) / (255.0 if ghost else 1.0)
+            mesh = scene.add_mesh_simple(
                 f"{names[shape.joint]}/shape{number}",
                 shape.vertices.astype(np.float32),
                 shape.faces.astype(np.uint32),
                 color=color,
                 opacity=GHOST_OPACITY if ghost else None,
                 flat_shading=not ghost,
+                # a hole that decimation left shows the inside, not what is behind
+                side="front" if ghost else "double",
                 cast_shadow=not ghost,
                 receive_shadow=False,
             )
+            self._meshes.append(mesh)
 
     def show(self, q: Vector) -> None:
         """Show a posture.
@@ -81,6 +87,13 @@ class RobotBody:
                 handle.wxyz = turn
             if np.abs(shift - handle.position).max() > UNSEEN:
                 handle.position = shift
+
+    def see_through(self, wanted: bool) -> None:
+        """Choose whether what is inside is seen."""
+        if wanted != self._transparent:
+            self._transparent = wanted
+            for mesh in self._meshes:
+                mesh.opacity = SEE_THROUGH if wanted else None
 
     @property
     def visible(self) -> bool:

@@ -61,6 +61,7 @@ class ShownRobot:
         if not np.isfinite(q).all():
             return
         self._body.show(q)
+        self._body.see_through(choice.see_through)
         self._contacts.show_parts(forces=choice.forces, support=choice.support)
         self._contacts.show(self._body.data, ticks.wrenches[-1])
         self._mass.visible = choice.mass

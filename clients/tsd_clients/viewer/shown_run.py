@@ -18,7 +18,8 @@ class RunLabel:
         robot: Name of the robot.
         robot_file: What ``load_robot`` takes for it.
         model: Fingerprint of the robot's files; empty if nobody knows.
-        motion: What is done, in words.
+        motion: What is done.
+        parameters: How, in words; may be empty.
         axes: 'task.axis' of all axes of the repetition.
         learned: The first so many of them are learned.
         joints: In the order of tau.
@@ -33,6 +34,7 @@ class RunLabel:
     robot_file: str
     model: str
     motion: str
+    parameters: str
     axes: tuple[str, ...]
     learned: int
     joints: tuple[str, ...]
@@ -44,7 +46,7 @@ class RunLabel:
     @property
     def title(self) -> str:
         """Name it for people."""
-        return f"{self.robot}: {self.motion}" if self.motion else self.robot
+        return f"{self.robot}: {self.motion}"
 
 
 class ShownRun(Protocol):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import viser
@@ -12,36 +13,48 @@ from tsd_casadi.state import Vector
 
 # points over the width of a chart: more than pixels would be none
 POINTS = 300
-COLORS = ("#1c7ed6", "#e8590c", "#2b8a3e", "#9c36b5", "#868e96")
 EMPTY = np.array([0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of a chart.
+
+    Attributes:
+        name: In the legend.
+        color: CSS.
+        width: [pixels].
+    """
+
+    name: str
+    color: str
+    width: float = 1.8
 
 
 class StripChart:
     """Lines over time."""
 
     def __init__(
-        self, gui: viser.GuiApi, title: str, lines: Sequence[str], *, height: int = 150
+        self, gui: viser.GuiApi, title: str, lines: Sequence[Line], *, height: int = 150
     ) -> None:
         """Add the chart.
 
         Args:
             title: With the unit.
-            lines: Names of what it shows.
             height: [pixels].
         """
-        self._lines = len(lines)
         nothing = np.full(len(EMPTY), np.nan)
         self._chart = gui.add_uplot(
             data=(EMPTY, *(nothing for _ in lines)),
             series=(
                 uplot.Series(label="t [s]"),
                 *(
-                    uplot.Series(label=name, stroke=color, width=1.6)
-                    for name, color in zip(lines, COLORS, strict=False)
+                    uplot.Series(label=line.name, stroke=line.color, width=line.width)
+                    for line in lines
                 ),
             ),
             scales={"x": uplot.Scale(time=False)},
-            axes=(uplot.Axis(size=28), uplot.Axis(size=52)),
+            axes=(uplot.Axis(size=34), uplot.Axis(size=52)),
             title=title,
             height=height,
         )

@@ -8,8 +8,12 @@ import viser
 # of two robots side by side [m]
 APART = 1.3
 # where a robot is seen from, relative to where it is looked at: from in front, a little left
-# and above, as many of its heights away as fit it into a window [m]
-VIEW = np.array((0.86, 0.46, 0.22))
+# and above
+VIEW = np.array((0.84, 0.50, 0.2))
+# a narrow field shows a robot as a photographer would [rad]; so many of its heights away
+# it fits into a window beside the charts
+FIELD = np.radians(35.0)
+AWAY = 2.1
 
 
 class Surroundings:
@@ -28,8 +32,8 @@ class Surroundings:
         )
         scene.add_grid(
             "/ground",
-            width=8.0,
-            height=8.0,
+            width=60.0,
+            height=60.0,
             cell_size=0.25,
             section_size=1.0,
             cell_color=(222, 226, 230),
@@ -38,6 +42,8 @@ class Surroundings:
             plane_opacity=1.0,
             position=(0.0, 0.0, -0.002),
         )
+        # the ground has no edge
+        scene.configure_fog(near=4.0, far=14.0, color=(255, 255, 255))
         self.look_at(1, 1.0)
 
     def cast_shadows(self, wanted: bool) -> None:
@@ -52,11 +58,12 @@ class Surroundings:
             height: Of the tallest one [m].
         """
         target = np.array((0.0, 0.0, 0.5 * height))
-        away = max(2.0 * height, 1.2 * height + 0.9 * APART * (robots - 1))
+        away = AWAY * height + 0.8 * APART * (robots - 1)
         position = target + away * VIEW / np.linalg.norm(VIEW)
         camera = self._server.initial_camera
-        camera.look_at, camera.position = target, position
+        camera.look_at, camera.position, camera.fov = target, position, FIELD
         for client in self._server.get_clients().values():
             with client.atomic():
+                client.camera.fov = FIELD
                 client.camera.position = position
                 client.camera.look_at = target

@@ -15,7 +15,7 @@ class ViewChoice:
     def __init__(self, gui: viser.GuiApi) -> None:
         """Add the boxes."""
         gui.add_html(
-            "<div style='font-size:13px;line-height:1.8'>"
+            "<div style='font-size:13px;line-height:1.8;padding:0 10px 8px'>"
             + _key("&#8593;", contact_marks.FORCE, "contact force that the controller plans")
             + _key("&#9644;", contact_marks.ON, "foot that presses on the ground, support polygon")
             + _key("&#9644;", contact_marks.OFF, "foot that does not")
@@ -30,6 +30,7 @@ class ViewChoice:
         self._support = gui.add_checkbox("feet and support", True)
         self._mass = gui.add_checkbox("centre of mass", True)
         self._ghost = gui.add_checkbox("reference", True)
+        self._see_through = gui.add_checkbox("see through the robot", False)
         self.shadows = gui.add_checkbox(
             "shadows", False, hint="slow in a browser without a graphics card"
         )
@@ -48,6 +49,11 @@ class ViewChoice:
     def mass(self) -> bool:
         """Whether centres of mass are shown."""
         return bool(self._mass.value)
+
+    @property
+    def see_through(self) -> bool:
+        """Whether what is inside of the robots is seen."""
+        return bool(self._see_through.value)
 
     @property
     def ghost(self) -> bool:

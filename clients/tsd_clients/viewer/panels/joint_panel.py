@@ -18,6 +18,7 @@ PERIOD = 0.2
 # shares of a limit from which on a bar warns, and is nearly at its end
 BUSY, FULL = 0.6, 0.9
 CALM_COLOR, BUSY_COLOR, FULL_COLOR = "#4dabf7", "#fab005", "#e03131"
+TABLE = "<table style='font-size:12px;width:100%;padding:0 8px;border-spacing:0'>"
 CELL = "style='padding:0 6px;text-align:right;font-variant-numeric:tabular-nums'"
 
 
@@ -70,9 +71,7 @@ def joints_table(label: RunLabel, ticks: Ticks) -> str:
         f"<tr style='color:#868e96'><td>joint</td><td {CELL}>rad</td><td {CELL}>N&thinsp;m</td>"
         "<td>share of the limit</td></tr>"
     )
-    return (
-        f"<table style='font-size:12px;width:100%;border-spacing:0'>{head}{''.join(rows)}</table>"
-    )
+    return f"{TABLE}{head}{''.join(rows)}</table>"
 
 
 def limits_table(label: RunLabel, ticks: Ticks) -> str:
@@ -91,8 +90,8 @@ def limits_table(label: RunLabel, ticks: Ticks) -> str:
             f"<td {CELL}>{100 * shares[place]:.0f} %</td><td {CELL}>{word}</td></tr>"
         )
     if not rows:
-        return "<p style='font-size:12px;margin:4px 0'>None in the last seconds.</p>"
-    return f"<table style='font-size:12px;width:100%'>{''.join(rows)}</table>"
+        return "<p style='font-size:12px;margin:4px 10px'>None in the last seconds.</p>"
+    return f"{TABLE}{''.join(rows)}</table>"
 
 
 def _bar(torque: float, peak: float, limit: float) -> str:

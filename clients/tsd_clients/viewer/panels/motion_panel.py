@@ -8,10 +8,14 @@ from tsd_casadi.learning.axis_error import unit_of_axis
 from tsd_clients.viewer.panel import Panel
 from tsd_clients.viewer.panels.run_panel import RunPanel
 from tsd_clients.viewer.shown_run import RunLabel
-from tsd_clients.viewer.strip_chart import StripChart
+from tsd_clients.viewer.strip_chart import Line, StripChart
 
 # charts are drawn anew so often [s]
 PERIOD = 0.1
+# what is right below what is seen, broad enough to stand out behind it
+TRUE, SEEN = Line("true", "#ced4da", 5.0), Line("as the controller sees it", "#1c7ed6")
+FEEDBACK, FEEDFORWARD = Line("feedback", "#1c7ed6"), Line("feedforward", "#e8590c")
+ROUND_TRIP = Line("longest round trip", "#495057")
 
 
 class MotionPanel(Panel):
@@ -31,7 +35,7 @@ class MotionPanel(Panel):
         """Add the chart that every run has."""
         self._gui = server.gui
         self._folder = server.gui.add_folder(None)
-        self._latency = StripChart(server.gui, "time of a tick [ms]", ["round trip"], height=120)
+        self._latency = StripChart(server.gui, "time of a tick [ms]", [ROUND_TRIP], height=120)
 
     def update(self, now: float) -> None:
         """Draw the last seconds."""
@@ -48,7 +52,7 @@ class MotionPanel(Panel):
         ):
             error.show(
                 ticks.time,
-                [1000 * ticks.error[:, number], 1000 * ticks.true_error[:, number]],
+                [1000 * ticks.true_error[:, number], 1000 * ticks.error[:, number]],
             )
             acceleration.show(ticks.time, [ticks.feedback[:, number], ticks.feedforward[:, number]])
         self._latency.show(ticks.time, [ticks.tick_us / 1000])
@@ -60,13 +64,11 @@ class MotionPanel(Panel):
         with self._folder:
             for axis in label.axes[: label.learned]:
                 unit = unit_of_axis(axis)
-                self._errors.append(
-                    StripChart(self._gui, f"{axis}: error [m{unit}]", ["as controlled", "true"])
-                )
+                self._errors.append(StripChart(self._gui, f"{axis}: error [m{unit}]", [TRUE, SEEN]))
                 self._accelerations.append(
                     StripChart(
                         self._gui,
                         f"{axis}: acceleration [{unit}/s²]",
-                        ["feedback", "feedforward"],
+                        [FEEDBACK, FEEDFORWARD],
                     )
                 )

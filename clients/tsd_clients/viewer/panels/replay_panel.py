@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import viser
 
 from tsd_clients.viewer.panel import Panel
@@ -11,7 +13,7 @@ SPEEDS = {"1/4": 0.25, "1/2": 0.5, "1": 1.0, "2": 2.0, "4": 4.0}
 STEP = 0.01  # s
 # the slider follows so often [s]
 PERIOD = 0.1
-PLAY, HALT = "Play", "Halt"
+PLAY, PAUSE = "Play", "Pause"
 
 
 class ReplayPanel(Panel):
@@ -26,10 +28,11 @@ class ReplayPanel(Panel):
     def build(self, server: viser.ViserServer) -> None:
         """Add slider, button and speeds."""
         gui, replay = server.gui, self._replay
-        self._time = gui.add_slider(
+        # viser declares values that can be set as if they could not
+        self._time: Any = gui.add_slider(
             "time [s]", min=replay.begin, max=replay.end, step=STEP, initial_value=replay.begin
         )
-        self._button = gui.add_button(HALT)
+        self._button = gui.add_button(PAUSE)
         self._speed = gui.add_button_group("speed", tuple(SPEEDS))
 
         @self._time.on_update
@@ -43,7 +46,7 @@ class ReplayPanel(Panel):
             replay.playing = not replay.playing
 
         @self._speed.on_click
-        def _(_: viser.GuiEvent[viser.GuiButtonGroupHandle[str]]) -> None:
+        def _(_: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:
             replay.speed = SPEEDS[self._speed.value]
 
     def update(self, now: float) -> None:
@@ -52,7 +55,7 @@ class ReplayPanel(Panel):
         if moved is not None:
             self._replay.playing = False
             self._replay.move_to(moved)
-        word = HALT if self._replay.playing else PLAY
+        word = PAUSE if self._replay.playing else PLAY
         if self._button.label != word:
             self._button.label = word
         if self._replay.playing and now >= self._drawn + PERIOD:

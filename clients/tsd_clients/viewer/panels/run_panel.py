@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from html import escape
+from typing import Any
 
 import viser
 
@@ -11,7 +12,7 @@ from tsd_clients.viewer.shown_run import Runs, ShownRun
 
 NONE = "no run yet"
 HOW = (
-    "<p style='font-size:13px;margin:2px 0 8px'>Start one, for instance "
+    "<p style='font-size:13px;margin:2px 0 8px;padding:0 10px'>Start one, for instance "
     "<code>tsd simulate squat --laps 20 --pace 1</code>; it appears here by itself.</p>"
 )
 
@@ -31,7 +32,8 @@ class RunPanel(Panel):
 
     def build(self, server: viser.ViserServer) -> None:
         """Add the list."""
-        self._list = server.gui.add_dropdown("run", [NONE], initial_value=NONE)
+        # viser declares values that can be set as if they could not
+        self._list: Any = server.gui.add_dropdown("run", [NONE], initial_value=NONE)
         self._state = server.gui.add_html(HOW)
 
     def update(self, now: float) -> None:
@@ -56,13 +58,13 @@ class RunPanel(Panel):
 
 def _state(run: ShownRun) -> str:
     ticks = run.ticks
-    parts = [run.state]
+    parts = [part for part in (run.label.parameters, run.state) if part]
     if len(ticks):
         lap = int(ticks.lap[-1])
         parts.append(f"{ticks.time[-1]:.1f} s")
         parts.append("holding" if lap < 0 else f"lap {lap + 1}")
     return (
-        f"<p data-run='{escape(run.state)}' style='font-size:13px;margin:2px 0 8px'>"
+        f"<p data-run='{escape(run.state)}' style='font-size:13px;margin:2px 0 8px;padding:0 10px'>"
         f"{escape(', '.join(parts))}</p>"
     )
 

@@ -57,7 +57,8 @@ def _card(service: WatchedService, now: float) -> str:
     )
     return (
         f"<div data-service='{escape(record.role)}' data-state='{_word(service)}' "
-        f"style='border-left:4px solid {color};padding:2px 10px;margin:6px 0 12px;font-size:13px'>"
+        f"style='border-left:4px solid {color};padding:2px 10px;margin:6px 8px 12px;"
+        "font-size:13px'>"
         f"<b>{escape(record.role)}</b> of {escape(robot)} "
         f"<span style='color:{color};font-weight:600'>{escape(state)}</span>"
         f"<table style='margin-top:4px;font-size:12px'>{table}</table></div>"
