@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import shlex
-import threading
 from collections.abc import Callable, Mapping, Sequence
 from html import escape
-from typing import Literal
 
 import viser
 
@@ -23,6 +21,7 @@ from tsd_clients.viewer.run_wish import (
 
 # of what a run printed, as high as a small table [pixels]
 HEIGHT = 220
+BUTTONS = SIMULATE, LEARN, STOP = "Simulate", "Learn", "Stop"
 NEUTRAL, GOOD, BAD = "#868e96", "#2b8a3e", "#c92a2a"
 
 
@@ -39,19 +38,18 @@ class RunButtons:
         self._program, self._robots = list(program), robots
         self._run: ChildRun | None = None
         self._refusal = ""
-        self._clicked: Literal["simulate", "learn"] | None = None
-        self._stop = threading.Event()
+        self._clicked = ""
 
     def build(self, gui: viser.GuiApi) -> None:
-        """Add the buttons."""
-        with gui.add_folder("Run it here"):
-            self._simulate = gui.add_button(
-                "Simulate", hint="One repetition at the sliders' values."
-            )
-            self._learn = gui.add_button(
-                "Learn", hint="Repeat at the sliders' values and learn; the entry appears above."
-            )
-            self._halt = gui.add_button("Stop", disabled=True)
+        """Add the buttons, how it goes, and what else a run needs to know."""
+        self._buttons = gui.add_button_group(
+            "Run it here",
+            BUTTONS,
+            hint="At the sliders' values: one repetition, or as many as it takes to learn.",
+        )
+        self._buttons.on_click(lambda _: self._click(str(self._buttons.value)))
+        self._state = gui.add_html("")
+        with gui.add_folder("How it is run", expand_by_default=False):
             self._feedforward = gui.add_dropdown(
                 "Feedforward", FEEDFORWARDS, hint="What a simulation feeds forward."
             )
@@ -67,10 +65,6 @@ class RunButtons:
             self._pace = gui.add_checkbox(
                 "In real time", True, hint="To be watched; otherwise as fast as it goes."
             )
-            self._state = gui.add_html("")
-        self._simulate.on_click(lambda _: self._click("simulate"))
-        self._learn.on_click(lambda _: self._click("learn"))
-        self._halt.on_click(lambda _: self._stop.set())
 
     def update(self, asked: Asked | None) -> None:
         """Do what was clicked, and show how it goes.
@@ -78,15 +72,11 @@ class RunButtons:
         Args:
             asked: At what the sliders stand.
         """
-        clicked, self._clicked = self._clicked, None
-        if clicked is not None and asked is not None and not self._is_running:
-            self._start(clicked, asked)
-        if self._stop.is_set() and self._run is not None:
+        clicked, self._clicked = self._clicked, ""
+        if clicked == STOP and self._run is not None:
             self._run.stop()
-        self._stop.clear()
-        for button in (self._simulate, self._learn):
-            _enable(button, asked is not None and not self._is_running)
-        _enable(self._halt, self._is_running)
+        elif clicked and clicked != STOP and asked is not None:
+            self._start(clicked, asked)
         state = self._state_html()
         if state != self._state.content:
             self._state.content = state
@@ -101,16 +91,14 @@ class RunButtons:
         if self._run is not None:
             self._run.close()
 
-    @property
-    def _is_running(self) -> bool:
-        return self._run is not None and self._run.code is None
+    def _click(self, button: str) -> None:
+        self._clicked = button
 
-    def _click(self, command: Literal["simulate", "learn"]) -> None:
-        self._clicked = command
-
-    def _start(self, command: Literal["simulate", "learn"], asked: Asked) -> None:
+    def _start(self, button: str, asked: Asked) -> None:
+        if self._run is not None and self._run.code is None:
+            return  # one at a time; the card says which
         wish = RunWish(
-            command=command,
+            command="simulate" if button == SIMULATE else "learn",
             known=asked.known,
             parameters=asked.parameters,
             model_error=float(self._error.value),
@@ -156,14 +144,9 @@ def endpoints_here(robot: str) -> list[str]:
     return [each[-1].endpoints[0] for each in (controllers, learners) if each]
 
 
-def _enable(button: viser.GuiButtonHandle, enabled: bool) -> None:
-    if button.disabled is enabled:
-        button.disabled = not enabled
-
-
 def _told(state: str, color: str, title: str, words: str = "", output: str = "") -> str:
     return (
-        f"<div data-run='{state}' style='border-left:4px solid {color};padding:2px 10px;"
+        f"<div data-child='{state}' style='border-left:4px solid {color};padding:2px 10px;"
         f"font-size:12px'><b style='color:{color}'>{escape(title)}</b>"
         f"<div><code>{escape(words)}</code></div>"
         f"<pre style='font-size:9px;line-height:1.3;overflow:auto;max-height:{HEIGHT}px'>"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 from typing import Any
 
@@ -24,7 +25,7 @@ NOTHING_LEARNED = (
     "**Nothing was learned yet.** `tsd learn squat --amplitude 0.04 --model-error 0.1` at two or "
     "three amplitudes, and a slider appears here."
 )
-NOT_ALLOWED = "`tsd view --allow-run` has buttons here that simulate and learn this motion."
+NOT_ALLOWED = "`tsd view --allow-run` has buttons here that simulate and learn what is shown"
 ANSWER, OF_ENTRIES = COLORS[0], ("#495057", "#868e96", "#adb5bd", "#ced4da")
 
 
@@ -63,12 +64,10 @@ class ExplorerPanel(Panel):
             hint="Answer outside the learned range too; it is refused otherwise.",
             visible=False,
         )
+        if self._buttons is not None:
+            self._buttons.build(server.gui)
         self._answer = server.gui.add_html("")
         self._folder = server.gui.add_folder(None)
-        if self._buttons is None:
-            server.gui.add_markdown(NOT_ALLOWED)
-        else:
-            self._buttons.build(server.gui)
         self._notes = server.gui.add_markdown("")
 
     @property
@@ -107,7 +106,7 @@ class ExplorerPanel(Panel):
             return f"**The learner does not answer**: {self._link.trouble}"
         if not self._link.motions:
             return NOTHING_LEARNED
-        return "Move a slider: the chart shows what the learner would feed forward there."
+        return "Move a slider and see what would be fed forward there."
 
     def _draw(self, asked: Asked, prediction: Prediction) -> None:
         self._answer.content = answer_html(prediction)
@@ -119,7 +118,7 @@ class ExplorerPanel(Panel):
                 self._charts = {axis: self._chart(axis) for axis in axes}
         for axis, chart in self._charts.items():
             chart.show(PHASE, lines_of(prediction, axis), shades_of(prediction, axis))
-        self._notes.content = notes_text(prediction)
+        self._notes.content = notes_text(prediction, [] if self._buttons else [NOT_ALLOWED])
 
     def _chart(self, axis: str) -> LineChart:
         label = f"{unit_of_axis(axis)}/s²"
@@ -177,9 +176,9 @@ def answer_html(prediction: Prediction) -> str:
     return _card(kind, color, f"{title}, {prediction.origin}", prediction.disagreeing)
 
 
-def notes_text(prediction: Prediction) -> str:
+def notes_text(prediction: Prediction, said: Sequence[str] = ()) -> str:
     """Say what is to be known of answer and curves, for people."""
-    notes = "\n".join(f"- {note}" for note in prediction.notes())
+    notes = "\n".join(f"- {note}" for note in [*prediction.notes(), *said])
     return f"{around_text(prediction)}\n\n{notes}"
 
 
