@@ -16,6 +16,7 @@ from tsd_cli.commands.database import export_entries, import_entries, verify_dat
 from tsd_cli.commands.experiments import demo, reproduce
 from tsd_cli.commands.explain import explain
 from tsd_cli.commands.learn import learn
+from tsd_cli.commands.log_video import film_log
 from tsd_cli.commands.motion import list_motions, show_motion
 from tsd_cli.commands.query import forget_entry, list_entries, query
 from tsd_cli.commands.robot import check_robot, list_robots, new_robot
@@ -78,6 +79,7 @@ GROUPS = {
             "verify": verify_database,
         },
     ),
+    "log": ("Look at what a run wrote with --log.", {"video": film_log}),
     "motion": ("Look at the motions there are.", {"list": list_motions, "show": show_motion}),
     "robot": (
         "Look at robots, and bring your own.",

@@ -11,6 +11,7 @@ what was expected and what to do about it::
     │   └── LayoutMismatch
     ├── MissingExtra            a library that an extra brings is not installed
     ├── SimulationError         a simulation that cannot be carried out
+    ├── NotAvailable            what this computer does not have: an extra, a screen, a GL library
     ├── RobotError              the robot's files
     │   ├── RobotFileError
     │   ├── UnknownRobot
@@ -44,6 +45,7 @@ remote learner alike, with its data as far as that is plain; ``str`` of it is th
 service's message. A code without a class here arrives as ``ServiceFailed``.
 """
 
+from tsd_casadi.exceptions.availability import NotAvailable
 from tsd_casadi.exceptions.base import TsdError, class_of
 from tsd_casadi.exceptions.controller import (
     CacheNotPrivate,
@@ -100,6 +102,7 @@ __all__ = [
     "LearningError",
     "MalformedMessage",
     "MissingExtra",
+    "NotAvailable",
     "NotLoadable",
     "OutsideTrainedRange",
     "ParityError",

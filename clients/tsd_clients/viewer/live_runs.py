@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 # a look at the run directory costs some system calls [s]
 LOOK = 0.25
-# rows that are kept: ten seconds and some more of what is published, 50 a second
-ROWS = 600
+# rows that are kept: ten seconds of what is published by the clock, 100 a second
+ROWS = 1000
 # of runs that are over, so many stay
 OVER = 3
 

@@ -56,7 +56,7 @@ def joints_table(label: RunLabel, ticks: Ticks) -> str:
     """Write a line for each joint: its angle, its torque and the share of its limit."""
     largest = np.abs(ticks.tau).max(axis=0)
     rows = [
-        f"<tr><td data-joint='{escape(joint)}'>{escape(joint)}</td><td {CELL}>{angle:.3f}</td>"
+        f"<tr><td>{escape(joint)}</td><td data-angle='{escape(joint)}' {CELL}>{angle:.3f}</td>"
         f"<td {CELL}>{torque:.1f}</td><td style='width:100%'>{_bar(torque, peak, limit)}</td></tr>"
         for joint, angle, torque, peak, limit in zip(
             label.joints,

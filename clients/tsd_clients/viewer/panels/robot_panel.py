@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from html import escape
+
 import viser
 
 from tsd_casadi.exceptions import TsdError
@@ -34,7 +36,7 @@ class RobotPanel(Panel):
         self._choice.shadows.on_update(
             lambda _: self._surroundings.cast_shadows(bool(self._choice.shadows.value))
         )
-        self._trouble = server.gui.add_html("", visible=False)
+        self._drawn = server.gui.add_html("")
 
     def update(self, now: float) -> None:
         """Show the newest tick of every run."""
@@ -46,8 +48,21 @@ class RobotPanel(Panel):
         came = [self._take_in(run) for key, run in shown.items() if key not in self._robots]
         if any(came):
             self._arrange(list(shown))
+        self._tell(shown)
         for key, robot in self._robots.items():
             robot.show(shown[key], self._choice)
+
+    def _tell(self, shown: dict[str, ShownRun]) -> None:
+        """Say which robots are drawn, and why others are not."""
+        drawn = " ".join(shown[key].label.robot for key in self._robots)
+        told = [
+            *(f"{waiting[0].name} is made ready" for waiting in self._waiting.values()),
+            *(text for key, text in self._refused.items() if key in shown),
+        ]
+        lines = "".join(f"<p>{escape(text)}</p>" for text in told)
+        content = f"<div data-drawn='{escape(drawn)}' style='padding:0 10px'>{lines}</div>"
+        if content != self._drawn.content:
+            self._drawn.content = content
 
     def _take_in(self, run: ShownRun) -> bool:
         """Add a run's robot when its shapes are there; whether they are."""
@@ -62,9 +77,7 @@ class RobotPanel(Panel):
             shapes = waiting.take()
         except (TsdError, OSError) as error:
             self._waiting.pop(key, None)
-            self._refused[key] = str(error)
-            self._trouble.content = f"<p>{run.label.robot} is not drawn: {error}</p>"
-            self._trouble.visible = True
+            self._refused[key] = f"{run.label.robot} is not drawn: {error}"
             return False
         if shapes is None:
             return False
