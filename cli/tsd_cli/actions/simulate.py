@@ -13,6 +13,7 @@ from tsd_casadi.repetition.what_to_try import what_to_try
 from tsd_casadi.repetition.why_infeasible import why_infeasible
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.actions.aborted import keep_aborted
+from tsd_cli.actions.film import Footage, open_viewer
 from tsd_cli.actions.label import describe_motion, label_of
 from tsd_cli.actions.open_learner import open_learner
 from tsd_cli.actions.prepare import (
@@ -26,6 +27,7 @@ from tsd_cli.actions.prepare import (
 )
 from tsd_cli.actions.watchable import watchable
 from tsd_cli.interrupt import interruptible
+from tsd_cli.options.film import FilmOptions
 from tsd_cli.options.motion import FeedforwardChoice, MotionOptions, SingleRepetitionOptions
 from tsd_cli.options.output import LogOptions
 from tsd_cli.options.pace import PaceOptions
@@ -48,6 +50,7 @@ def simulate_once(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    film: FilmOptions,
     watching: TelemetryOptions,
     output: LogOptions,
 ) -> None:
@@ -61,6 +64,7 @@ def simulate_once(
     if output.log is not None:
         check_log_path(output.log)
     robot = load_robot(body.robot)
+    footage = Footage(film, robot)
     wanted = asked_motion(motion, robot)
     axes = chosen_axes(motion, robot, wanted)
     gains, pace = chosen_gains(repetition), chosen_pace(time)
@@ -89,6 +93,7 @@ def simulate_once(
         watchable(watching, robot, told) as telemetry,
         open_controller(services, robot, time.patience) as controller,
         show_progress(describe_motion(wanted), 1.0) as progress,
+        open_viewer(film, robot) as viewers,
     ):
         gates = gates_for(learned, robot, controller, wanted, gains, correction)
         # the gate before what adds to the feedforward: it is about the borrowed one
@@ -102,7 +107,7 @@ def simulate_once(
             feedforward=learned,
             gains=gains,
             compensators=compensators,
-            observers=[each for each in (telemetry, log) if each is not None],
+            observers=[*viewers, *(each for each in (telemetry, log) if each is not None)],
             seed=repetition.seed,
             transport=services.controller.value,
             progress=progress,
@@ -121,6 +126,8 @@ def simulate_once(
             f"note: nothing was learned along {', '.join(missing)} yet: zero there", err=True
         )
     put_out_run(run)
+    footage.keep(run)
+    footage.make()
     if run.fell:
         raise typer.Exit(FELL)
 
