@@ -124,6 +124,11 @@ CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
         ["learner", "tcp/127.0.0.1:7448", "in use", "--listen"],
     ),
     "TwoServices": (("two",), {}, ["two"]),
+    "NotAvailable": (
+        ("a film", "the extra 'view'", "pip install"),
+        {"what": "a film", "missing": "the extra 'view'", "remedy": "pip install"},
+        ["a film needs the extra 'view'", "pip install"],
+    ),
     "SimulationError": (("fell",), {}, ["fell"]),
 }
 

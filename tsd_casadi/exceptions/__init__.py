@@ -10,6 +10,7 @@ what was expected and what to do about it::
     │   ├── UnsupportedVersion
     │   └── LayoutMismatch
     ├── SimulationError         a simulation that cannot be carried out
+    ├── NotAvailable            what this computer does not have: an extra, a screen, a GL library
     ├── RobotError              the robot's files
     │   ├── RobotFileError
     │   ├── UnknownRobot
@@ -43,6 +44,7 @@ remote learner alike, with its data as far as that is plain; ``str`` of it is th
 service's message. A code without a class here arrives as ``ServiceFailed``.
 """
 
+from tsd_casadi.exceptions.availability import NotAvailable
 from tsd_casadi.exceptions.base import TsdError, class_of
 from tsd_casadi.exceptions.controller import (
     CacheNotPrivate,
@@ -97,6 +99,7 @@ __all__ = [
     "LayoutMismatch",
     "LearningError",
     "MalformedMessage",
+    "NotAvailable",
     "NotLoadable",
     "OutsideTrainedRange",
     "ParityError",

@@ -17,6 +17,7 @@ from tsd_casadi.repetition.record import context_of
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.actions.aborted import ABORTED, put_out_on_interrupt
+from tsd_cli.actions.film import Footage, open_viewer
 from tsd_cli.actions.open_learner import open_learner
 from tsd_cli.actions.prepare import (
     asked_motion,
@@ -31,6 +32,7 @@ from tsd_cli.actions.region import default_name, describe_chosen, read_region
 from tsd_cli.actions.story import Story
 from tsd_cli.actions.watchable import watchable
 from tsd_cli.interrupt import interruptible
+from tsd_cli.options.film import FilmOptions
 from tsd_cli.options.learning import FirstChoice, LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
 from tsd_cli.options.output import JsonOptions
@@ -53,6 +55,7 @@ def learn_by_repetition(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    film: FilmOptions,
     watching: TelemetryOptions,
     output: JsonOptions,
 ) -> None:
@@ -64,6 +67,7 @@ def learn_by_repetition(
     """
     check_outputs(output)
     robot = load_robot(body.robot)
+    footage = Footage(film, robot)
     wanted = asked_motion(motion, robot)
     axes = chosen_axes(motion, robot, wanted)
     if learning.iterations < 1:
@@ -107,6 +111,7 @@ def learn_by_repetition(
         open_learner(services) as learner,
         open_controller(services, robot, time.patience) as controller,
         show_progress(f"learning {wanted.name}", runs) as progress,
+        open_viewer(film, robot) as viewers,
     ):
 
         def progress_of(_: Motion, __: int) -> Any:
@@ -115,6 +120,7 @@ def learn_by_repetition(
 
         def keep_run(run: Run, notes: list[str]) -> None:
             story.keep_run(run, notes)
+            footage.keep_last_lap(run)
             if telemetry is not None:
                 telemetry.measured(run, notes)
 
@@ -131,7 +137,7 @@ def learn_by_repetition(
             laps=repetition.laps,
             gains=gains,
             compensators=compensators,
-            observers=[] if telemetry is None else [telemetry],
+            observers=[*viewers, *([] if telemetry is None else [telemetry])],
             seed=repetition.seed,
             transport=services.controller.value,
             pace=pace,
@@ -171,6 +177,7 @@ def learn_by_repetition(
                 failure = error  # shown after what was learned before it
             story.keep_place(place, before)
     put_out_story()
+    footage.make()
     if failure is not None and story.was_aborted:
         typer.echo(f"error: {failure}", err=True)
         raise typer.Exit(ABORTED)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tsd_cli.option_groups import with_groups
+from tsd_cli.options.film import FilmOptions
 from tsd_cli.options.learning import LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
 from tsd_cli.options.output import JsonOptions
@@ -21,6 +22,7 @@ def learn(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    film: FilmOptions,
     watching: TelemetryOptions,
     output: JsonOptions,
 ) -> None:
@@ -30,6 +32,10 @@ def learn(
 
       tsd learn squat --amplitude 0.04 --iterations 2 --model-error 0.1
 
+    A film of the last lap of each run, in which the error shrinks:
+
+      tsd learn squat --model-error 0.1 --video learning.gif
+
     With --auto N the learner says where, N times: where its feedforward is most
     uncertain.
 
@@ -38,5 +44,14 @@ def learn(
     from tsd_cli.actions.learn import learn_by_repetition
 
     learn_by_repetition(
-        motion, learning, places, repetition, time, body, services, watching, output
+        motion,
+        learning,
+        places,
+        repetition,
+        time,
+        body,
+        services,
+        film,
+        watching,
+        output,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tsd_cli.option_groups import with_groups
+from tsd_cli.options.film import FilmOptions
 from tsd_cli.options.motion import MotionOptions, SingleRepetitionOptions
 from tsd_cli.options.output import LogOptions
 from tsd_cli.options.pace import PaceOptions
@@ -18,6 +19,7 @@ def simulate(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    film: FilmOptions,
     watching: TelemetryOptions,
     output: LogOptions,
 ) -> None:
@@ -36,6 +38,11 @@ def simulate(
 
       tsd simulate squat --pace 1 --patience inf
 
+    A film of it, and on a desktop a window while it moves; docs/films.md:
+
+      tsd simulate squat --controller local --video squat.mp4
+      tsd simulate squat --viewer --pace 1
+
     Another motion, with its own parameters, and one of your own:
 
       tsd simulate twist --amplitude 0.15 --frequency 0.5
@@ -43,4 +50,4 @@ def simulate(
     """
     from tsd_cli.actions.simulate import simulate_once
 
-    simulate_once(motion, repetition, time, body, services, watching, output)
+    simulate_once(motion, repetition, time, body, services, film, watching, output)
