@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import ipaddress
+import sys
 import webbrowser
 from typing import TYPE_CHECKING
 
 import typer
 
+from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import load_robot
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.page import PageOptions, ReplayOptions
@@ -16,6 +18,7 @@ from tsd_clients.extra import require_extra
 from tsd_clients.logs.read_log import read_log
 
 if TYPE_CHECKING:
+    from tsd_casadi.wire.telemetry import IterationRecorded
     from tsd_clients.viewer.page import Page
     from tsd_clients.viewer.page_server import PageServer
 
@@ -34,8 +37,15 @@ def show_page(options: PageOptions, replay: ReplayOptions) -> None:
 def _serve(options: PageOptions, replay: ReplayOptions) -> None:
     from tsd_clients.viewer.page_server import open_server
 
+    if options.allow_run and not _is_loopback(options.listen_on):
+        raise InvalidValue(
+            "--allow-run",
+            f"with --host {options.listen_on}",
+            "a page that only this machine reaches: without a password anybody could run things "
+            "as you",
+        )
     server = open_server(options.listen_on, options.port)
-    page = _live(server) if replay.log is None else _replayed(server, replay)
+    page = _live(server, options.allow_run) if replay.log is None else _replayed(server, replay)
     port = server.get_port()
     if port != options.port:
         typer.echo(f"note: port {options.port} is taken", err=True)
@@ -52,26 +62,44 @@ def _serve(options: PageOptions, replay: ReplayOptions) -> None:
     page.run()
 
 
-def _live(server: PageServer) -> Page:
+def _live(server: PageServer, allow_run: bool) -> Page:
+    import tsd_models
+    from tsd_clients.viewer.learner_here import open_learner_here
+    from tsd_clients.viewer.learner_link import LearnerLink
     from tsd_clients.viewer.live_runs import LiveRuns
     from tsd_clients.viewer.page import Page
+    from tsd_clients.viewer.panels.explorer_panel import ExplorerPanel
     from tsd_clients.viewer.panels.joint_panel import JointPanel
+    from tsd_clients.viewer.panels.learning_panel import LearningPanel
     from tsd_clients.viewer.panels.motion_panel import MotionPanel
     from tsd_clients.viewer.panels.robot_panel import RobotPanel
     from tsd_clients.viewer.panels.run_panel import RunPanel
     from tsd_clients.viewer.panels.service_panel import ServicePanel
+    from tsd_clients.viewer.run_buttons import RunButtons
     from tsd_clients.viewer.service_watch import ServiceWatch
 
-    runs, watch = LiveRuns(), ServiceWatch()
+    runs, watch, link = LiveRuns(), ServiceWatch(), LearnerLink(open_learner_here)
+
+    def robots() -> dict[str, str]:
+        shipped = {name: str(path) for name, path in tsd_models.robot_files().items()}
+        return {run.label.robot: run.label.robot_file for run in runs.live} | shipped
+
+    def iterations() -> list[IterationRecorded]:
+        return [each for run in runs.live for each in run.watched.iterations]
+
+    buttons = RunButtons([sys.executable, "-m", "tsd_cli"], robots) if allow_run else None
     chosen = RunPanel(runs)
     panels = (
         chosen,
         MotionPanel(chosen),
         JointPanel(chosen),
+        LearningPanel(link, iterations),
+        ExplorerPanel(link, buttons),
         ServicePanel(watch),
         RobotPanel(runs),
     )
-    return Page(server, (runs, watch), panels)
+    feeds = (runs, watch, link) if buttons is None else (runs, watch, link, buttons)
+    return Page(server, feeds, panels)
 
 
 def _replayed(server: PageServer, options: ReplayOptions) -> Page:

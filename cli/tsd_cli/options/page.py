@@ -30,6 +30,14 @@ class PageOptions:
             "network: there is no password. By default only this machine sees the page.",
         ),
     ] = LOOPBACK
+    allow_run: Annotated[
+        bool,
+        typer.Option(
+            "--allow-run",
+            help="Buttons in the explorer that simulate and learn as you. Whoever reaches the page "
+            "may press them: only without --host.",
+        ),
+    ] = False
     browse: Annotated[bool, typer.Option("--open", help="Open the page in a browser.")] = False
 
 
