@@ -26,7 +26,7 @@ from tsd_server.service_process import ServiceProcess, free_endpoint
 
 HERE = Path(__file__).parent
 SIZE = {"width": 1280, "height": 800}
-COLORS = 200  # of a picture's palette: a quarter of the bytes, and nobody sees it
+COLORS = 256  # of a picture's palette: half of the bytes, and nobody sees it
 PATIENCE = 300_000  # ms
 ROBOTS = ("hermes_lower", "talos", "g1")
 
@@ -85,7 +85,9 @@ def keep(page: Page, name: str) -> None:
     page.wait_for_timeout(4000)  # for the charts to fill
     picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
     target = HERE / f"{name}.png"
-    picture.quantize(COLORS, dither=Image.Dither.NONE).save(target, optimize=True)
+    picture.quantize(COLORS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
+        target, optimize=True
+    )
     print(f"{target}: {target.stat().st_size / 1000:.0f} kB")
 
 
@@ -119,10 +121,8 @@ def learning(folder: Path) -> None:
         open_tab(page, "Motion")
         page.locator("[data-run*='repetition 3'][data-run*='lap 4']").wait_for()
         keep(page, "view_learning")
-        open_tab(page, "Joints")
-        keep(page, "view_joints")
-        open_tab(page, "Services")
-        keep(page, "view_services")
+        open_tab(page, "Explorer")
+        keep(page, "view_explorer")
 
 
 PICTURES: dict[str, Any] = {"robots": robots, "learning": learning}
