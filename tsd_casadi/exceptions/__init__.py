@@ -9,7 +9,6 @@ what was expected and what to do about it::
     ├── MalformedMessage        (a ValueError) bytes or JSON that cannot be read
     │   ├── UnsupportedVersion
     │   └── LayoutMismatch
-    ├── MissingExtra            a library that an extra brings is not installed
     ├── SimulationError         a simulation that cannot be carried out
     ├── NotAvailable            what this computer does not have: an extra, a screen, a GL library
     ├── RobotError              the robot's files
@@ -62,7 +61,6 @@ from tsd_casadi.exceptions.learning import (
     LearningError,
     OutsideTrainedRange,
 )
-from tsd_casadi.exceptions.missing_extra import MissingExtra
 from tsd_casadi.exceptions.robot import ParityError, RobotError, RobotFileError, UnknownRobot
 from tsd_casadi.exceptions.services import (
     AlreadyRunning,
@@ -101,7 +99,6 @@ __all__ = [
     "LayoutMismatch",
     "LearningError",
     "MalformedMessage",
-    "MissingExtra",
     "NotAvailable",
     "NotLoadable",
     "OutsideTrainedRange",

@@ -5,16 +5,16 @@ from __future__ import annotations
 import ipaddress
 import sys
 import webbrowser
-from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import typer
 
-from tsd_casadi.exceptions import InvalidValue, MissingExtra
+from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import load_robot
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.page import PageOptions, ReplayOptions
 from tsd_cli.options.robot import RobotOptions
+from tsd_clients.extra import require_extra
 from tsd_clients.logs.read_log import read_log
 
 if TYPE_CHECKING:
@@ -29,9 +29,7 @@ def show_page(options: PageOptions, replay: ReplayOptions) -> None:
     Raises:
         TsdError: If it cannot be served, or the log cannot be used.
     """
-    for library in ("viser", "fast_simplification"):
-        if find_spec(library) is None:
-            raise MissingExtra("the live page", library, "view")
+    require_extra("view", "the live page", "viser", "fast_simplification")
     _serve(options, replay)
 
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import viser
 
 from tsd_casadi.robot.robot import Robot
-from tsd_casadi.state import Vector
+from tsd_clients.viewer.robot_body import unit
 from tsd_clients.viewer.ticks import Ticks
 
 ESTIMATED, TRUE, REFERENCE = (40, 90, 200), (20, 20, 20), (240, 170, 0)
@@ -70,14 +69,14 @@ class MassMarks:
 
     def show(self, ticks: Ticks) -> None:
         """Show the newest tick's."""
-        estimated = self._robot.center_of_mass(_unit(ticks.q[-1]))
+        estimated = self._robot.center_of_mass(unit(ticks.q[-1]))
         reference = estimated.copy()
         for component, place in self._errors:
             reference[component] += np.nan_to_num(ticks.all_errors[-1, place])
         true = estimated.copy()
         known = bool(np.isfinite(ticks.true_q[-1]).all())
         if known:
-            true = self._robot.center_of_mass(_unit(ticks.true_q[-1]))
+            true = self._robot.center_of_mass(unit(ticks.true_q[-1]))
             # the plant's own masses: its error tells what the controller's model cannot
             for component, axis in self._true_errors:
                 error = ticks.true_error[-1, axis]
@@ -88,9 +87,3 @@ class MassMarks:
             self._balls[name].position = com
         ground = np.array((*estimated[:2], ABOVE_GROUND))
         self._plumb.points = np.array([[estimated, ground]], dtype=np.float32)
-
-
-def _unit(q: Vector) -> Any:
-    q = np.array(q, dtype=float)
-    q[3:7] /= np.linalg.norm(q[3:7])
-    return q

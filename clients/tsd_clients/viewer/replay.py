@@ -8,7 +8,7 @@ import numpy as np
 
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import Robot
-from tsd_clients.logs.read_log import Log
+from tsd_clients.logs.log import Log
 from tsd_clients.viewer.shown_run import RunLabel, ShownRun
 from tsd_clients.viewer.ticks import Ticks, limit_rows_of_log, ticks_of_log
 

@@ -76,10 +76,7 @@ class RobotBody:
         Args:
             q: Configuration, (nq,).
         """
-        q = np.array(q, dtype=float)
-        # of a log it is one in 32 bits
-        q[3:7] /= np.linalg.norm(q[3:7])
-        pinocchio.framesForwardKinematics(self._model, self.data, q)
+        pinocchio.framesForwardKinematics(self._model, self.data, unit(q))
         for handle, place in zip(self._joints, self.data.liMi.tolist()[1:], strict=True):
             x, y, z, w = pinocchio.Quaternion(place.rotation).coeffs()
             turn, shift = np.array((w, x, y, z)), place.translation
@@ -107,3 +104,17 @@ class RobotBody:
     def remove(self) -> None:
         """Take it away."""
         self._root.remove()
+
+
+def unit(q: Vector) -> Vector:
+    """Make the quaternion of a configuration one again: a log has it in 32 bits.
+
+    Args:
+        q: (nq,).
+
+    Returns:
+        A changed copy, (nq,).
+    """
+    q = np.array(q, dtype=float)
+    q[3:7] /= np.linalg.norm(q[3:7])
+    return q

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import viser
 
+from tsd_casadi.robot.ghost import ghost_posture
 from tsd_casadi.robot.robot import Robot
+from tsd_casadi.state import Vector
 from tsd_clients.viewer.contact_marks import ContactMarks
 from tsd_clients.viewer.mass_marks import MassMarks
-from tsd_clients.viewer.robot_body import RobotBody
+from tsd_clients.viewer.robot_body import RobotBody, unit
 from tsd_clients.viewer.robot_shapes import Shape
 from tsd_clients.viewer.shown_run import ShownRun
 from tsd_clients.viewer.view_choice import ViewChoice
@@ -39,7 +41,11 @@ class ShownRobot:
         self._body = RobotBody(scene, f"{root}/body", robot, shapes)
         self._contacts = ContactMarks(scene, root, robot)
         self._mass = MassMarks(scene, root, robot, label.all_axes, label.axes)
+        self._ghost = RobotBody(scene, f"{root}/ghost", robot, shapes, ghost=True)
+        self._robot, self._moved = robot, label.axes
+        self._axes = tuple(f"{task}.{axis}" for task, axis in label.all_axes)
         self._body.show(robot.home.q)
+        self._ghost.show(robot.home.q)
         self.height = top_of(self._body, shapes)
         scene.add_label(
             f"{root}/label",
@@ -64,8 +70,16 @@ class ShownRobot:
         self._body.see_through(choice.see_through)
         self._contacts.show_parts(forces=choice.forces, support=choice.support)
         self._contacts.show(self._body.data, ticks.wrenches[-1])
+        self._show_ghost(q, ticks.all_errors[-1], choice.ghost)
         self._mass.visible = choice.mass
         self._mass.show(ticks)
+
+    def _show_ghost(self, q: Vector, errors: Vector, wanted: bool) -> None:
+        known = bool(np.isfinite(errors).all())
+        self._ghost.visible = wanted and known
+        if wanted and known:
+            named = dict(zip(self._axes, map(float, errors), strict=True))
+            self._ghost.show(ghost_posture(self._robot, unit(q), named, self._moved))
 
     def remove(self) -> None:
         """Take everything away."""

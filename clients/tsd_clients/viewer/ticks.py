@@ -10,7 +10,7 @@ import numpy as np
 from tsd_casadi.state import Matrix, Vector
 from tsd_casadi.tick.layout import Layout
 from tsd_casadi.wire.run_outline import RunOutline
-from tsd_clients.logs.read_log import Log
+from tsd_clients.logs.log import Log
 
 
 @dataclass(frozen=True)
