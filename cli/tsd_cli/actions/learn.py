@@ -14,8 +14,10 @@ from tsd_casadi.learning.rules.by_name import find_rule
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.record import context_of
+from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.actions.aborted import ABORTED, put_out_on_interrupt
+from tsd_cli.actions.film import Footage, open_viewer
 from tsd_cli.actions.open_learner import open_learner
 from tsd_cli.actions.prepare import (
     asked_motion,
@@ -28,16 +30,20 @@ from tsd_cli.actions.prepare import (
 )
 from tsd_cli.actions.region import default_name, describe_chosen, read_region
 from tsd_cli.actions.story import Story
+from tsd_cli.actions.watchable import watchable
 from tsd_cli.interrupt import interruptible
+from tsd_cli.options.film import FilmOptions
 from tsd_cli.options.learning import FirstChoice, LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
 from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
+from tsd_cli.options.telemetry import TelemetryOptions
 from tsd_cli.output import check_outputs, put_out
 from tsd_clients.console.progress import show_progress
 from tsd_clients.remote.remote_learner import RemoteLearner
+from tsd_clients.telemetry.telling_learner import TellingLearner
 
 
 @interruptible("what was recorded before is kept")
@@ -49,6 +55,8 @@ def learn_by_repetition(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    film: FilmOptions,
+    watching: TelemetryOptions,
     output: JsonOptions,
 ) -> None:
     """Learn at one place or at several, and show how it went.
@@ -59,6 +67,7 @@ def learn_by_repetition(
     """
     check_outputs(output)
     robot = load_robot(body.robot)
+    footage = Footage(film, robot)
     wanted = asked_motion(motion, robot)
     axes = chosen_axes(motion, robot, wanted)
     if learning.iterations < 1:
@@ -77,6 +86,17 @@ def learn_by_repetition(
             typer.echo(f"note: {line}", err=True)
     story = Story()
     failure: TsdError | None = None
+    told = {
+        **simulator.settings(),
+        "p_scale": gains.P,
+        "d_scale": gains.D,
+        "period_s": repetition.period,
+        "seed": repetition.seed,
+        "transport": services.controller.value,
+        "pace": time.pace,
+        "rule": rule.name,
+        "iterations": learning.iterations,
+    }
     runs = (learning.iterations + 1.0) * max(places.auto, 1)
 
     def put_out_story() -> None:
@@ -87,20 +107,28 @@ def learn_by_repetition(
 
     with (
         put_out_on_interrupt(put_out_story),
+        watchable(watching, robot, told) as telemetry,
         open_learner(services) as learner,
         open_controller(services, robot, time.patience) as controller,
         show_progress(f"learning {wanted.name}", runs) as progress,
+        open_viewer(film, robot) as viewers,
     ):
 
         def progress_of(_: Motion, __: int) -> Any:
             before = len(story.summaries)
             return lambda done, total: progress(before + done / total, runs)
 
+        def keep_run(run: Run, notes: list[str]) -> None:
+            story.keep_run(run, notes)
+            footage.keep_last_lap(run)
+            if telemetry is not None:
+                telemetry.measured(run, notes)
+
         learn_at = partial(
             learn,
             simulator,
             controller,
-            learner=learner,
+            learner=learner if telemetry is None else TellingLearner(learner, telemetry),
             axes=axes,
             iterations=learning.iterations,
             patience=rule.patience if learning.stop_after is None else learning.stop_after,
@@ -109,11 +137,12 @@ def learn_by_repetition(
             laps=repetition.laps,
             gains=gains,
             compensators=compensators,
+            observers=[*viewers, *([] if telemetry is None else [telemetry])],
             seed=repetition.seed,
             transport=services.controller.value,
             pace=pace,
             progress=progress_of,
-            on_run=story.keep_run,
+            on_run=keep_run,
             on_learned=story.keep_contractions,
             on_abort=story.keep_aborted,
         )
@@ -148,6 +177,7 @@ def learn_by_repetition(
                 failure = error  # shown after what was learned before it
             story.keep_place(place, before)
     put_out_story()
+    footage.make()
     if failure is not None and story.was_aborted:
         typer.echo(f"error: {failure}", err=True)
         raise typer.Exit(ABORTED)

@@ -19,8 +19,8 @@ from tsd_casadi.version import __version__
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.run_tables import print_goals, print_runs
 from tsd_clients.console.table import console
+from tsd_clients.film.rendering import render_extremes
 from tsd_clients.logs.log_file import save_log as write_log
-from tsd_clients.viewer.rendering import render_extremes
 from tsd_experiments.demo.goals import goals_of
 from tsd_experiments.demo.plan import MODEL_ERROR, Plan, file_name, label_of
 from tsd_experiments.demo.runs import DemoRuns
