@@ -16,6 +16,7 @@ from tsd_cli.commands.database import export_entries, import_entries, verify_dat
 from tsd_cli.commands.experiments import demo, reproduce
 from tsd_cli.commands.explain import explain
 from tsd_cli.commands.learn import learn
+from tsd_cli.commands.log import convert_log, cut_log, plot_log, recover_log, show_log
 from tsd_cli.commands.log_video import film_log
 from tsd_cli.commands.motion import list_motions, show_motion
 from tsd_cli.commands.query import forget_entry, list_entries, query
@@ -77,7 +78,17 @@ GROUPS = {
             "verify": verify_database,
         },
     ),
-    "log": ("Look at what a run wrote with --log.", {"video": film_log}),
+    "log": (
+        "Look at what a run wrote with --log, and carry it to other tools.",
+        {
+            "show": show_log,
+            "plot": plot_log,
+            "video": film_log,
+            "cut": cut_log,
+            "convert": convert_log,
+            "recover": recover_log,
+        },
+    ),
     "motion": ("Look at the motions there are.", {"list": list_motions, "show": show_motion}),
     "robot": (
         "Look at robots, and bring your own.",

@@ -32,6 +32,12 @@ COMMANDS = [
             "simulate",
             "learn",
             "explain",
+            "log",
+            "log show",
+            "log plot",
+            "log cut",
+            "log convert",
+            "log recover",
             "calibrate",
             "query",
             "demo",
@@ -103,7 +109,12 @@ def test_help_fits_eighty_columns_and_teaches_by_example(
     done = tsd(*command, option)
     assert (done.code, done.err) == (0, "")
     assert all(len(line) <= 80 for line in done.out.splitlines())
-    if command not in (["database"], ["motion"], ["robot"]):  # groups: their commands have them
+    if command not in (
+        ["database"],
+        ["log"],
+        ["motion"],
+        ["robot"],
+    ):  # groups: their commands have them
         assert f"\n   tsd {' '.join(command)}" in done.out
 
 

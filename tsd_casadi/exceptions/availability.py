@@ -16,6 +16,10 @@ class NotAvailable(TsdError):
 
     code = "not_available"
 
+    what: str
+    missing: str
+    remedy: str
+
     def __init__(self, what: str, missing: str, remedy: str) -> None:
         """Name what was asked for, what is missing and what to do."""
         super().__init__(f"{what} needs {missing}: {remedy}")

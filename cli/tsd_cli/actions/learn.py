@@ -111,7 +111,7 @@ def learn_by_repetition(
         open_learner(services) as learner,
         open_controller(services, robot, time.patience) as controller,
         show_progress(f"learning {wanted.name}", runs) as progress,
-        open_viewer(film, robot) as viewers,
+        open_viewer(film, robot) as viewer,
     ):
 
         def progress_of(_: Motion, __: int) -> Any:
@@ -137,7 +137,7 @@ def learn_by_repetition(
             laps=repetition.laps,
             gains=gains,
             compensators=compensators,
-            observers=[*viewers, *([] if telemetry is None else [telemetry])],
+            observers=[each for each in (viewer, telemetry) if each is not None],
             seed=repetition.seed,
             transport=services.controller.value,
             pace=pace,

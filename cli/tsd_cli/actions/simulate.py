@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import typer
 
 from tsd_casadi.learning.feedforward import Feedforward
@@ -39,7 +37,8 @@ from tsd_cli.options.telemetry import TelemetryOptions
 from tsd_cli.output import STDOUT, check_outputs, put_out
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.run_tables import print_runs
-from tsd_clients.logs.log_file import check_log_path, save_log
+from tsd_clients.logs.log_file import check_log_path
+from tsd_clients.logs.run_log import RunLog, run_log
 
 FELL = 3
 
@@ -84,14 +83,22 @@ def simulate_once(
         "feedforward": repetition.feedforward.value,
     }
     files = [str(file) for file in (output.log, output.json_file) if file not in (None, STDOUT)]
+    log: RunLog | None = None
+
+    def put_out_run(run: Run) -> None:
+        _put_out(run, log, output)
+
     with (
-        keep_aborted(partial(_put_out, output=output), files) as keep,
+        keep_aborted(put_out_run, files) as keep,
         watchable(watching, robot, told) as telemetry,
         open_controller(services, robot, time.patience) as controller,
         show_progress(describe_motion(wanted), 1.0) as progress,
-        open_viewer(film, robot) as viewers,
+        open_viewer(film, robot) as viewer,
     ):
         gates = gates_for(learned, robot, controller, wanted, gains, correction)
+        # the gate before what adds to the feedforward: it is about the borrowed one
+        compensators = [*gates, *compensators]
+        log = None if output.log is None else run_log(output.log, compensators, told)
         run = simulator.run(
             controller,
             wanted,
@@ -99,9 +106,8 @@ def simulate_once(
             laps=repetition.laps,
             feedforward=learned,
             gains=gains,
-            # the gate before what adds to the feedforward: it is about the borrowed one
-            compensators=[*gates, *compensators],
-            observers=[*viewers, *([] if telemetry is None else [telemetry])],
+            compensators=compensators,
+            observers=[each for each in (viewer, telemetry, log) if each is not None],
             seed=repetition.seed,
             transport=services.controller.value,
             progress=progress,
@@ -119,16 +125,14 @@ def simulate_once(
         typer.echo(
             f"note: nothing was learned along {', '.join(missing)} yet: zero there", err=True
         )
-    _put_out(run, output)
+    put_out_run(run)
     footage.keep(run)
     footage.make()
     if run.fell:
         raise typer.Exit(FELL)
 
 
-def _put_out(run: Run, output: LogOptions) -> None:
-    if output.log is not None:
-        save_log(run, output.log)
+def _put_out(run: Run, log: RunLog | None, output: LogOptions) -> None:
     summary = {"label": label_of(run), **run.summary()}
 
     def show() -> None:
@@ -136,6 +140,8 @@ def _put_out(run: Run, output: LogOptions) -> None:
             print_runs("simulation", [summary])
 
     put_out(summary, output, show)
+    if log is not None:
+        log.conclude(run)
 
 
 def _ask(

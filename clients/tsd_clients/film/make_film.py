@@ -55,7 +55,6 @@ def make_film(
     Args:
         clips: At least one; with the same axes, and the rate of ``rate_of(path)``.
         path: Ends in .mp4 or .gif; written whole or not at all.
-        title: Of all of it.
         size: Width and height, even [pixels].
         progress: Called with (done, total) pictures.
 

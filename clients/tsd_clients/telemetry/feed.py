@@ -30,7 +30,7 @@ class Feed:
         os.set_blocking(descriptor, False)
         self._descriptor = descriptor
         self._left = bytearray()
-        self.is_broken = False
+        self.is_broken = self._is_closed = False
 
     def send_rows(self, body: bytes) -> bool:
         """Send rows if there is room for them; says whether they were sent."""
@@ -39,7 +39,7 @@ class Feed:
             return False
         self._left += FRAME.pack(ROWS, len(body)) + body
         self._push()
-        return True
+        return not self.is_broken
 
     def send_event(self, body: bytes) -> None:
         """Send an event, now or before what is sent next."""
@@ -53,6 +53,8 @@ class Feed:
         Args:
             patience: How long that may take at the most [s].
         """
+        if self._is_closed:
+            return
         end = time.monotonic() + patience
         self._push()
         while self._left and not self.is_broken and (left := end - time.monotonic()) > 0:
@@ -60,7 +62,7 @@ class Feed:
             self._push()
         with suppress(OSError):
             os.close(self._descriptor)
-        self.is_broken = True
+        self._is_closed = self.is_broken = True
 
     def _push(self) -> None:
         while self._left and not self.is_broken:
