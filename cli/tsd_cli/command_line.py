@@ -24,6 +24,7 @@ from tsd_cli.commands.robot import check_robot, list_robots, new_robot
 from tsd_cli.commands.services import controller, learner
 from tsd_cli.commands.simulate import simulate
 from tsd_cli.commands.status import status
+from tsd_cli.commands.view import view
 from tsd_cli.help_text import unwrap
 from tsd_cli.motion_parameters import named_motion, with_parameters
 
@@ -59,6 +60,7 @@ COMMANDS = (
     status,
     simulate,
     learn,
+    view,
     explain,
     calibrate,
     query,
@@ -87,6 +89,7 @@ GROUPS = {
             "cut": cut_log,
             "convert": convert_log,
             "recover": recover_log,
+            "video": film_log,
         },
     ),
     "motion": ("Look at the motions there are.", {"list": list_motions, "show": show_motion}),

@@ -28,7 +28,7 @@ def write_any_log(log: Log, path: Path) -> None:
     Raises:
         InvalidValue: If the file cannot be written, or as .mcap if the log does not
             tell of what it is.
-        MissingExtra: If the library of its format is not installed.
+        NotAvailable: If the library of its format is not installed.
         TsdError: If it is to be a .mcap and the robot's files cannot be used.
     """
     check_log_path(path)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import importlib.util
 import io
 import json
 from collections.abc import Sequence
@@ -13,11 +12,11 @@ from typing import BinaryIO
 import numpy as np
 
 from tsd_casadi.exceptions import InvalidValue
-from tsd_casadi.exceptions.missing_extra import MissingExtra
 from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.whole_file import write_whole
 from tsd_casadi.wire.run_outline import RunOutline
+from tsd_clients.extra import require_extra
 from tsd_clients.logs.log import Log
 from tsd_clients.logs.run_summary import run_summary
 
@@ -72,10 +71,10 @@ def check_log_path(path: str | Path) -> None:
 
     Raises:
         InvalidValue: If its ending is not the one of a format.
-        MissingExtra: If the library of its format is not installed.
+        NotAvailable: If the library of its format is not installed.
     """
-    if _ending(path, ENDINGS) == MCAP and importlib.util.find_spec("mcap") is None:
-        raise MissingExtra("a log as .mcap", "mcap", "view")
+    if _ending(path, ENDINGS) == MCAP:
+        require_extra("view", "a log as .mcap", "mcap")
 
 
 def _ending(path: str | Path, known: Sequence[str]) -> str:

@@ -52,7 +52,7 @@ class McapLog:
             settings: Of the run as far as they are known before it, plain data.
 
         Raises:
-            MissingExtra: If the library that writes it is not installed.
+            NotAvailable: If the library that writes it is not installed.
         """
         check_log_path(path)
         self._path, self._settings = path, dict(settings)

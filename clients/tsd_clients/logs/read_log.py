@@ -24,7 +24,7 @@ def read_log(path: Path) -> Log:
     Raises:
         InvalidValue: If it is not one, or has not all fields.
         LogNotWhole: If it ends in the middle.
-        MissingExtra: If the library of its format is not installed.
+        NotAvailable: If the library of its format is not installed.
         OSError: If it cannot be read.
     """
     check_log_path(path)

@@ -27,7 +27,7 @@ def recover_log(path: Path, target: Path) -> Copied:
     Raises:
         InvalidValue: If it is no MCAP file, has nothing that could be kept, or the
             target cannot be written.
-        MissingExtra: If the library for it is not installed.
+        NotAvailable: If the library for it is not installed.
         OSError: If it cannot be read.
     """
     if path.suffix.lower() != MCAP:

@@ -66,6 +66,6 @@ def run_log(
 
     Raises:
         InvalidValue: If it has another ending.
-        MissingExtra: If the library of its format is not installed.
+        NotAvailable: If the library of its format is not installed.
     """
     return McapLog(path, compensators, settings) if path.suffix.lower() == MCAP else WholeLog(path)

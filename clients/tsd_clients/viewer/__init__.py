@@ -1,0 +1,1 @@
+"""The live page: robots, charts, services and replays in a browser."""
