@@ -89,7 +89,6 @@ GROUPS = {
             "cut": cut_log,
             "convert": convert_log,
             "recover": recover_log,
-            "video": film_log,
         },
     ),
     "motion": ("Look at the motions there are.", {"list": list_motions, "show": show_motion}),

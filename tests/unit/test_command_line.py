@@ -215,7 +215,7 @@ def test_wrong_usage_is_exit_code_2(tsd: Tsd, arguments: str) -> None:
         ("query squat --amplitude 0.03 --height 5", ["height is 5"]),
         ("simulate squat --d-scale 0 --controller local", ["d scale is 0"]),
         ("simulate squat --p-scale -1 --controller local", ["p scale is -1"]),
-        ("simulate squat --log run.txt", ["run.txt", "ends in .csv or .npz"]),
+        ("simulate squat --log run.txt", ["run.txt", "ends in .csv or .mcap or .npz"]),
         ("learn squat --iterations 0", ["iterations is 0"]),
         ("learn squat --region amplitude", ["--region", "--auto"]),
         ("learn squat --auto 2 --region depth=0:1", ["depth", "0.02:0.08"]),

@@ -78,6 +78,12 @@ CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
         {"path": HERE},
         [str(HERE), "is locked", "wait"],
     ),
+    "LogNotWritten": (
+        (HERE, "no space left"),
+        {"path": HERE, "reason": "no space left"},
+        [str(HERE), "no space left", "tsd log recover"],
+    ),
+    "LogNotWhole": ((HERE, "no footer"), {"path": HERE}, [str(HERE), "no footer", "log recover"]),
     "EntryNotFound": (("nothing",), {}, ["nothing"]),
     "OutsideTrainedRange": (
         ("amplitude", 0.1, 0.02, 0.08, "m"),
@@ -133,7 +139,7 @@ CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
 }
 
 
-FAMILIES = ("RobotError", "ControllerError", "LearningError", "ServiceError")
+FAMILIES = ("RobotError", "ControllerError", "LearningError", "LogError", "ServiceError")
 
 
 def every_class() -> dict[str, type[TsdError]]:

@@ -21,6 +21,9 @@ what was expected and what to do about it::
     │   ├── CacheNotPrivate
     │   ├── CacheNotWritable
     │   └── NotLoadable
+    ├── LogError                what a run wrote down
+    │   ├── LogNotWritten
+    │   └── LogNotWhole
     ├── LearningError           what was learned
     │   ├── DatabaseError
     │   ├── EntryNotFound
@@ -61,6 +64,7 @@ from tsd_casadi.exceptions.learning import (
     LearningError,
     OutsideTrainedRange,
 )
+from tsd_casadi.exceptions.logs import LogError, LogNotWhole, LogNotWritten
 from tsd_casadi.exceptions.robot import ParityError, RobotError, RobotFileError, UnknownRobot
 from tsd_casadi.exceptions.services import (
     AlreadyRunning,
@@ -98,6 +102,9 @@ __all__ = [
     "InvalidValue",
     "LayoutMismatch",
     "LearningError",
+    "LogError",
+    "LogNotWhole",
+    "LogNotWritten",
     "MalformedMessage",
     "NotAvailable",
     "NotLoadable",

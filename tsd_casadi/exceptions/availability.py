@@ -15,10 +15,9 @@ class NotAvailable(TsdError):
     """
 
     code = "not_available"
-
-    what: str
-    missing: str
-    remedy: str
+    what: str | None = None
+    missing: str | None = None
+    remedy: str | None = None
 
     def __init__(self, what: str, missing: str, remedy: str) -> None:
         """Name what was asked for, what is missing and what to do."""

@@ -59,7 +59,6 @@ class Telemetry:
         """Start the publishing process.
 
         Args:
-            robot: Name of the robot.
             settings: What who watches should know of the run, plain data.
         """
         self.endpoint: str | None = None
@@ -168,7 +167,6 @@ class Telemetry:
         """Publish something else that happened.
 
         Args:
-            kind: Of event.
             fields: Its fields, without number and repetition.
         """
         self._tell(kind, **fields)
