@@ -96,6 +96,9 @@ says how, {" or ".join(sorted(ENDINGS))}:
   `log = McapLog(path)`, `run = simulator.run(..., observers=[log])`, `log.conclude(run)`, of
   `tsd_clients.logs.mcap_log`.
 
+`tsd learn squat --log squat.mcap` writes a file for each repetition, `squat-0.mcap`, `squat-1.mcap`
+and so on.
+
 ## Looking at a log
 
 ```bash

@@ -34,13 +34,15 @@ from tsd_cli.interrupt import interruptible
 from tsd_cli.options.film import FilmOptions
 from tsd_cli.options.learning import LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
-from tsd_cli.options.output import JsonOptions
+from tsd_cli.options.output import LogOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
 from tsd_cli.options.telemetry import TelemetryOptions
 from tsd_cli.output import check_outputs, put_out
 from tsd_clients.console.progress import show_progress
+from tsd_clients.logs.log_file import check_log_path
+from tsd_clients.logs.log_series import LogSeries
 from tsd_clients.telemetry.telling_learner import TellingLearner
 
 
@@ -55,7 +57,7 @@ def learn_by_repetition(
     services: ServiceOptions,
     film: FilmOptions,
     watching: TelemetryOptions,
-    output: JsonOptions,
+    output: LogOptions,
 ) -> None:
     """Learn at one place or at several, and show how it went.
 
@@ -63,7 +65,9 @@ def learn_by_repetition(
         TsdError: If it cannot be done as asked; what was learned before is shown.
         typer.Exit: If a repetition was ended early; what was run of it is shown, too.
     """
-    check_outputs(output)
+    check_outputs(output, output.log)
+    if output.log is not None:
+        check_log_path(output.log)
     robot = load_robot(body.robot)
     footage = Footage(film, robot)
     wanted = asked_motion(motion, robot)
@@ -95,6 +99,7 @@ def learn_by_repetition(
         "rule": rule.name,
         "iterations": learning.iterations,
     }
+    logs = None if output.log is None else LogSeries(output.log, told)
     runs = (learning.iterations + 1.0) * max(places.auto, 1)
 
     def put_out_story() -> None:
@@ -119,8 +124,15 @@ def learn_by_repetition(
         def keep_run(run: Run, notes: list[str]) -> None:
             story.keep_run(run, notes)
             footage.keep_last_lap(run)
+            if logs is not None:
+                logs.conclude(run)
             if telemetry is not None:
                 telemetry.measured(run, notes)
+
+        def keep_aborted(run: Run) -> None:
+            story.keep_aborted(run)
+            if logs is not None:
+                logs.conclude(run)
 
         learn_at = partial(
             learn,
@@ -135,14 +147,14 @@ def learn_by_repetition(
             laps=repetition.laps,
             gains=gains,
             compensators=compensators,
-            observers=[each for each in (viewer, telemetry) if each is not None],
+            observers=[each for each in (viewer, telemetry, logs) if each is not None],
             seed=repetition.seed,
             transport=services.controller.value,
             pace=pace,
             progress=progress_of,
             on_run=keep_run,
             on_learned=story.keep_contractions,
-            on_abort=story.keep_aborted,
+            on_abort=keep_aborted,
         )
         first = partial(ask_first, learning.first, learner, robot, axes, context)
         if not places.auto:

@@ -6,7 +6,7 @@ from tsd_cli.option_groups import with_groups
 from tsd_cli.options.film import FilmOptions
 from tsd_cli.options.learning import LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
-from tsd_cli.options.output import JsonOptions
+from tsd_cli.options.output import LogOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
@@ -24,7 +24,7 @@ def learn(
     services: ServiceOptions,
     film: FilmOptions,
     watching: TelemetryOptions,
-    output: JsonOptions,
+    output: LogOptions,
 ) -> None:
     """Learn a motion's feedforward by repeating it; continues an existing entry.
 

@@ -108,8 +108,10 @@ class McapLog:
 
     def end(self, outcome: str) -> None:
         """Wait until the writer has all that there is."""
+        known: dict[str, Any] = {"fell": outcome == "fell", "steady": outcome == "steady"}
         if outcome == "aborted":
-            self._pipe.put(write_mcap.OUTCOME, b"the run was aborted")
+            known["aborted"] = "the run was aborted"
+        self._pipe.put(write_mcap.OUTCOME, json.dumps(known).encode())
         self._pipe.flush()
 
     def conclude(self, run: Run) -> None:

@@ -94,9 +94,7 @@ class Writing:
             self._recording.add_veto(content.decode())
         elif kind == REQUEST:
             self._recording.add_request(content)
-        elif kind == OUTCOME:
-            self._end = {"aborted": content.decode()}
-        elif kind == SUMMARY:
+        elif kind in (OUTCOME, SUMMARY):
             self._end = json.loads(content)
 
     def write_rows(self) -> None:
