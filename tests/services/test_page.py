@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +18,10 @@ import numpy as np
 import pytest
 
 import tsd_casadi as tsd
+from benchmarks.learned_squats import AXES, FREQUENCY, ROBOT, learn_squats
+from tsd_casadi.wire.run_directory import running
+from tsd_clients.remote.remote_learner import RemoteLearner
+from tsd_clients.viewer.prediction import PHASE
 from tsd_server.service_process import ServiceProcess, free_endpoint
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -35,6 +40,23 @@ VIEW = {"x": 0, "y": 160, "width": 440, "height": 440}
 PATIENCE = 60_000
 JOINT = "R_KFE"
 ANGLE = f"[data-angle='{JOINT}']"
+
+# what a chart draws is in the properties of the component around it
+DRAWN = """title => {
+  for (const chart of document.querySelectorAll('.uplot')) {
+    let node = chart, key;
+    while (node && !(key = Object.keys(node).find(k => k.startsWith('__reactFiber'))))
+      node = node.parentElement;
+    for (let fiber = node && node[key]; fiber; fiber = fiber.return) {
+      const drawn = fiber.memoizedProps;
+      if (!drawn || !drawn.data || !drawn.options) continue;
+      if (drawn.options.title !== title) break;
+      const lines = drawn.options.series.map(each => each.label);
+      return Array.from(drawn.data[lines.indexOf('answer')] || []);
+    }
+  }
+  return [];
+}"""
 
 pytestmark = [
     pytest.mark.skipif(CHROMIUM is None, reason="no Chromium: 'apt install chromium' brings it"),
@@ -67,6 +89,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def learner(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceProcess]:
     database = tmp_path_factory.mktemp("page") / "learned.sqlite"
+    learn_squats(database)
     arguments = ["learner", "--database", str(database), "--listen", free_endpoint()]
     with ServiceProcess(arguments, run_directory=folder) as service:
         yield service
@@ -166,3 +189,57 @@ def moved(page: Any, before: np.ndarray[Any, Any], tries: int = 40) -> int:
         if most > 500:
             break
     return most
+
+
+def test_slider_shows_what_the_learner_answers(
+    page: Any, folder: Path, learner: ServiceProcess, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    open_tab(page, "Explorer")
+    page.locator("[data-answer='generalised']").wait_for()
+    slider = page.get_by_role("slider").first
+    slider.focus()
+    before = drawn(page, "com.z")
+    for _ in range(17):
+        page.keyboard.press("ArrowRight")
+    amplitude = float(slider.get_attribute("aria-valuenow"))
+    assert amplitude == pytest.approx(0.067)
+    monkeypatch.setenv("TSD_RUN_DIR", str(folder))
+    (endpoint,) = (record.endpoints[0] for record in running() if record.role == "learner")
+    with RemoteLearner([endpoint]) as remote:
+        answer = remote.query("squat", robot=ROBOT, amplitude=amplitude, frequency=FREQUENCY)
+    for axis, wanted in zip(AXES, answer.mean(PHASE), strict=True):
+        assert_drawn(page, axis, wanted)
+    # it was another one before
+    assert np.abs(answer.mean(PHASE)[AXES.index("com.z")] - before).max() > 0.02
+
+    page.keyboard.press("End")
+    refused = page.locator("[data-answer='refused']")
+    refused.wait_for()
+    assert "outside the learned range 0.02 to 0.08 m" in refused.inner_text()
+    assert len(drawn(page, "com.z")) == 0
+    # by key: no hint that pops up lies over it
+    page.get_by_label("Extrapolate").focus()
+    page.keyboard.press("Space")
+    page.locator("[data-answer='generalised']").wait_for()
+
+
+def drawn(page: Any, axis: str) -> np.ndarray[Any, Any]:
+    """Numbers of the answer in the chart of an axis; none where it is refused."""
+    return np.array(page.evaluate(DRAWN, f"Feedforward along {axis}"))
+
+
+def assert_drawn(page: Any, axis: str, wanted: np.ndarray[Any, Any]) -> None:
+    """Wait until it is."""
+    end = time.monotonic() + PATIENCE / 1000
+    while True:
+        there = drawn(page, axis)
+        if there.shape == wanted.shape and np.abs(there - wanted).max() < 1e-9:
+            return
+        assert time.monotonic() < end, (axis, there, wanted)
+        page.wait_for_timeout(50)
+
+
+def test_errors_of_iterations_are_told(page: Any, learner: ServiceProcess) -> None:
+    open_tab(page, "Learning")
+    page.get_by_text("RMS error", exact=True).wait_for()
+    page.get_by_text("rule guarded").wait_for()

@@ -81,7 +81,8 @@ def _live(server: PageServer, allow_run: bool) -> Page:
     runs, watch, link = LiveRuns(), ServiceWatch(), LearnerLink(open_learner_here)
 
     def robots() -> dict[str, str]:
-        shipped = {name: str(path) for name, path in tsd_models.robot_files().items()}
+        # a shipped robot goes by its name, one that runs by the file that it runs with
+        shipped = {name: name for name in tsd_models.robot_files()}
         return {run.label.robot: run.label.robot_file for run in runs.live} | shipped
 
     def iterations() -> list[IterationRecorded]:

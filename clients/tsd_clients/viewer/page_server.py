@@ -26,6 +26,11 @@ class PageServer(viser.ViserServer):
         """Refuse: what a robot does is shown to nobody outside."""
         return None
 
+    def stop(self) -> None:
+        """Stop serving."""
+        with contextlib.redirect_stdout(io.StringIO()):
+            super().stop()
+
 
 def open_server(host: str, port: int) -> PageServer:
     """Open the server of a page.

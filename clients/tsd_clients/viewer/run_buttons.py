@@ -33,7 +33,7 @@ class RunButtons:
 
         Args:
             program: Words that start 'tsd'.
-            robots: Gives the files of the robots that are known here, by name.
+            robots: Gives what '--robot' takes for the robots that are known here, by name.
         """
         self._program, self._robots = list(program), robots
         self._run: ChildRun | None = None

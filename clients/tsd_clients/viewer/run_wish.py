@@ -50,7 +50,7 @@ class RunWish:
         """Give the command's arguments, one word each; no shell reads them.
 
         Args:
-            robots: Files of the robots that are known here, by name.
+            robots: What '--robot' takes for the robots that are known here, by name.
             endpoints: Of controller and learner; of the learner alone where there is no
                 controller for the robot, which is then part of the run.
 

@@ -10,10 +10,14 @@ APART = 1.3
 # where a robot is seen from, relative to where it is looked at: from in front, a little left
 # and above
 VIEW = np.array((0.84, 0.50, 0.2))
+# a row of them from nearly in front: none hides another
+ROW_VIEW = np.array((0.95, 0.2, 0.2))
 # a narrow field shows a robot as a photographer would [rad]; so many of its heights away
 # it fits into a window beside the charts
 FIELD = np.radians(35.0)
 AWAY = 2.1
+# as many times as far away as a row is wide it fits, its nearer end too
+ROW_AWAY = 1.7
 
 
 class Surroundings:
@@ -58,8 +62,9 @@ class Surroundings:
             height: Of the tallest one [m].
         """
         target = np.array((0.0, 0.0, 0.5 * height))
-        away = AWAY * height + 0.8 * APART * (robots - 1)
-        position = target + away * VIEW / np.linalg.norm(VIEW)
+        view = VIEW if robots == 1 else ROW_VIEW
+        away = max(AWAY * height, ROW_AWAY * APART * robots)
+        position = target + away * view / np.linalg.norm(view)
         camera = self._server.initial_camera
         camera.look_at, camera.position, camera.fov = target, position, FIELD
         for client in self._server.get_clients().values():

@@ -58,14 +58,15 @@ class RunPanel(Panel):
 
 def _state(run: ShownRun) -> str:
     ticks = run.ticks
-    parts = [part for part in (run.label.parameters, run.state) if part]
+    parts = [run.state]
     if len(ticks):
         lap = int(ticks.lap[-1])
-        parts.append(f"{ticks.time[-1]:.1f} s")
-        parts.append("holding" if lap < 0 else f"lap {lap + 1}")
+        parts += [f"{ticks.time[-1]:.1f} s", "holding" if lap < 0 else f"lap {lap + 1}"]
+    state = escape(", ".join(parts))
     return (
-        f"<p data-run='{escape(run.state)}' style='font-size:13px;margin:2px 0 8px;padding:0 10px'>"
-        f"{escape(', '.join(parts))}</p>"
+        f"<p style='font-size:13px;margin:2px 0 8px;padding:0 10px'>"
+        f"<span style='color:#868e96'>{escape(run.label.parameters)}</span> "
+        f"<span data-run='{state}'>{state}</span></p>"
     )
 
 
