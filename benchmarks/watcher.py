@@ -14,11 +14,10 @@ from tsd_clients.telemetry.watched_run import WatchedRun, watched_runs
 def main() -> None:
     """Say 'watching' once the run is seen, and in the end how many rows were."""
     pid, rows, is_seen = int(sys.argv[1]), 0, False
-    records: list[object] = []
     while not (records := [record for record in watched_runs() if record.pid == pid]):
         time.sleep(0.03)
-    with WatchedRun(records[-1]) as run:  # type: ignore[arg-type]
-        while not (run.ended or run.lost):
+    with WatchedRun(records[-1]) as run:
+        while not run.ended:
             rows += len(run.take())
             if run.outline is not None and not is_seen:
                 is_seen = True

@@ -31,6 +31,7 @@ from tsd_casadi.repetition.pace import Pace
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.state import State, Vector
+from tsd_clients.logs.mcap_log import McapLog
 from tsd_clients.remote.remote_controller import RemoteController
 from tsd_clients.simulator.simulator import MujocoSimulator
 from tsd_clients.telemetry.telemetry import Telemetry
@@ -150,10 +151,13 @@ def measure(
                 kept = times[name]
                 simulator.work = []
                 observers: list[Observer] = []
-                telemetry = None
+                telemetry = log = None
                 if name != OFF:
                     telemetry = Telemetry(simulator.robot.name)
                     observers += [telemetry, Audience(reads=name == ON)]
+                if name == ON:
+                    log = McapLog(folder / f"{turn}.mcap")
+                    observers.append(log)
                 runs: list[Run] = []
                 with suppress(Enough):
                     simulator.run(
@@ -165,6 +169,8 @@ def measure(
                         on_abort=runs.append,
                     )
                 (run,) = runs
+                if log is not None:
+                    log.conclude(run)
                 if telemetry is not None:
                     telemetry.close()
                     kept.dropped += telemetry.dropped

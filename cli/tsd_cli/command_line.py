@@ -85,10 +85,10 @@ GROUPS = {
         {
             "show": show_log,
             "plot": plot_log,
+            "video": film_log,
             "cut": cut_log,
             "convert": convert_log,
             "recover": recover_log,
-            "video": film_log,
         },
     ),
     "motion": ("Look at the motions there are.", {"list": list_motions, "show": show_motion}),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -27,7 +28,13 @@ from tsd_casadi.state import Matrix
 from tsd_casadi.wire.keys import rows_key, story_key
 from tsd_casadi.wire.run_record import RunRecord
 from tsd_casadi.wire.session_settings import session_settings
-from tsd_casadi.wire.telemetry import LapDone, RepetitionEnded, RunOver, RunStory
+from tsd_casadi.wire.telemetry import (
+    LapDone,
+    RepetitionBegan,
+    RepetitionEnded,
+    RunOver,
+    RunStory,
+)
 from tsd_clients.simulator.simulator import MujocoSimulator
 from tsd_clients.telemetry.feed import Feed
 from tsd_clients.telemetry.telemetry import Telemetry
@@ -85,6 +92,11 @@ def stranger(record: RunRecord, mode: str = "client") -> Iterator[zenoh.Session]
         yield session
     finally:
         session.close()  # type: ignore[no-untyped-call]
+
+
+def connection(record: RunRecord) -> socket.socket:
+    host, _, port = record.endpoints[0].partition("/")[2].rpartition(":")
+    return socket.create_connection((host, int(port)))
 
 
 @contextmanager
@@ -205,6 +217,7 @@ def test_somebody_who_never_reads_is_dropped_from_and_nobody_waits() -> None:
             assert asleep.stdout.readline() == b"subscribed\n"
             asleep.send_signal(signal.SIGSTOP)
             os.waitid(os.P_PID, asleep.pid, os.WSTOPPED)
+            silent = [connection(record) for _ in range(100)]
             # 60 MB, far more than all buffers on the way
             sent = 0
             while sent < 600:
@@ -214,6 +227,8 @@ def test_somebody_who_never_reads_is_dropped_from_and_nobody_waits() -> None:
             with WatchedRun(record) as run:
                 take_until(run, lambda: len(run.events) == 1)
                 assert not run.lost
+            for each in silent:
+                each.close()
         finally:
             asleep.kill()
             asleep.wait()
@@ -242,6 +257,47 @@ def test_a_run_without_an_end_is_said_to_be_over() -> None:
         take_until(run, lambda: run.ended)
     assert run.reason == "its process ended in the middle of it"
     assert isinstance(run.events[-1], RunOver)
+
+
+def test_a_run_of_the_command_line_is_listed_watched_and_missed_when_it_is_killed(
+    controller: tsd.Controller,
+) -> None:
+    command = [sys.executable, "-m", "tsd_cli"]
+    options = [
+        "simulate",
+        "squat",
+        "--controller",
+        "local",
+        "--laps",
+        "1000",
+        "--model-error",
+        "0.1",
+    ]
+    process = subprocess.Popen([*command, *options], stderr=subprocess.DEVNULL)
+    try:
+        while not (records := watched_runs()):
+            assert process.poll() is None
+            time.sleep(0.01)
+        with WatchedRun(records[0]) as run:
+            take_until(run, lambda: len(run.laps) == 1)
+            shown = subprocess.run(
+                [*command, "status", "--json", "-"], capture_output=True, check=True
+            )
+            process.kill()
+            take_until(run, lambda: run.ended)
+    finally:
+        process.kill()
+        process.wait()
+    (told,) = json.loads(shown.stdout)["runs"]
+    assert told["motion"] == "squat"
+    assert told["robot"] == controller.format.robot
+    assert told["pid"] == process.pid
+    assert told["telemetry"] == records[0].telemetry
+    began = run.events[0]
+    assert isinstance(began, RepetitionBegan)
+    assert began.settings["model_error"] == 0.1
+    assert run.reason == "its process ended in the middle of it"
+    assert watched_runs() == []
 
 
 def test_a_run_whose_publisher_was_killed_is_lost(controller: tsd.Controller) -> None:

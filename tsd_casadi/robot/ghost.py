@@ -1,7 +1,7 @@
 r"""The ghost of a robot: the posture in which its tasks would be at their references.
 
-Levenberg-Marquardt steps (Nocedal and Wright, Numerical Optimization, section 10.3)
-from the robot's own posture,
+Levenberg-Marquardt steps (Nocedal and Wright's book, section 10.3) from the
+robot's own posture,
 
 .. math:: \Delta q = J^T (J J^T + \mu I)^{-1} e(q)
 

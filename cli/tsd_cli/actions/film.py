@@ -21,6 +21,7 @@ from tsd_clients.console.progress import show_progress
 from tsd_clients.film.clip import Clip, last_lap, make_clip
 from tsd_clients.film.make_film import check_size, make_film
 from tsd_clients.film.video_file import check_film_path, rate_of
+from tsd_clients.logs.log import Log
 from tsd_clients.logs.read_log import read_log
 
 
@@ -79,7 +80,7 @@ class Footage:
 
 
 def title_of(run: Run) -> str:
-    """Say what a film is of: 'g1: squat 3 cm, model error 10 %, P x 0.2'."""
+    """Say what a film is of: 'robot: squat 3 cm, model error 10 %, P x 0.2'."""
     settings = run.settings
     parts = [describe_motion(run.motion)]
     if error := settings.get("model_error"):
@@ -106,19 +107,19 @@ def read_size(options: FilmSizeOptions) -> tuple[int, int]:
 
 
 @contextmanager
-def open_viewer(options: FilmOptions, robot: Robot) -> Iterator[tuple[Observer, ...]]:
-    """Open MuJoCo's viewer if it was asked for; gives who watches.
+def open_viewer(options: FilmOptions, robot: Robot) -> Iterator[Observer | None]:
+    """Open MuJoCo's viewer if it was asked for; gives who watches, None where nobody does.
 
     Raises:
         NotAvailable: If there is no desktop.
     """
     if not options.viewer:
-        yield ()
+        yield None
         return
     from tsd_clients.film.desktop_viewer import open_desktop_viewer
 
     with open_desktop_viewer(robot) as viewer:
-        yield (viewer,)
+        yield viewer
 
 
 @interruptible()
@@ -131,9 +132,19 @@ def film_log(log: Path, target: Path, robot: str | None, options: FilmSizeOption
     check_film_path(target)
     size = read_size(options)
     found = read_log(log)
-    known = load_robot(robot or found.robot or RobotOptions().robot)
-    clip = make_clip(known, found.fields, found.axes, rate=rate_of(target))
-    _make(known, [clip], target, f"{known.name}: {log.name}", size)
+    known = load_robot(robot or _robot_of(found))
+    rate, plotted = rate_of(target), len(found.learned)
+    clip = make_clip(known, found.fields, found.axes, rate=rate, plotted=plotted)
+    what = log.name if found.outline is None else f"{found.outline.motion}, {log.name}"
+    _make(known, [clip], target, f"{known.name}: {what}", size)
+
+
+def _robot_of(log: Log) -> str:
+    """Find the robot file of the run on this computer, or a robot of its name."""
+    outline = log.outline
+    if outline is not None and Path(outline.robot_file).is_file():
+        return outline.robot_file
+    return log.robot or RobotOptions().robot
 
 
 def _make(

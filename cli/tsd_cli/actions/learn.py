@@ -7,17 +7,16 @@ from typing import Any
 
 import typer
 
-from tsd_casadi.exceptions import EntryNotFound, InvalidValue, TsdError
-from tsd_casadi.learning.context import Context
-from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.exceptions import InvalidValue, TsdError
 from tsd_casadi.learning.rules.by_name import find_rule
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.record import context_of
 from tsd_casadi.repetition.run import Run
-from tsd_casadi.robot.robot import Robot, load_robot
+from tsd_casadi.robot.robot import load_robot
 from tsd_cli.actions.aborted import ABORTED, put_out_on_interrupt
 from tsd_cli.actions.film import Footage, open_viewer
+from tsd_cli.actions.first_feedforward import ask_first
 from tsd_cli.actions.open_learner import open_learner
 from tsd_cli.actions.prepare import (
     asked_motion,
@@ -33,7 +32,7 @@ from tsd_cli.actions.story import Story
 from tsd_cli.actions.watchable import watchable
 from tsd_cli.interrupt import interruptible
 from tsd_cli.options.film import FilmOptions
-from tsd_cli.options.learning import FirstChoice, LearningOptions, PlaceOptions
+from tsd_cli.options.learning import LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
 from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.pace import PaceOptions
@@ -42,7 +41,6 @@ from tsd_cli.options.services import ServiceOptions
 from tsd_cli.options.telemetry import TelemetryOptions
 from tsd_cli.output import check_outputs, put_out
 from tsd_clients.console.progress import show_progress
-from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_clients.telemetry.telling_learner import TellingLearner
 
 
@@ -111,7 +109,7 @@ def learn_by_repetition(
         open_learner(services) as learner,
         open_controller(services, robot, time.patience) as controller,
         show_progress(f"learning {wanted.name}", runs) as progress,
-        open_viewer(film, robot) as viewers,
+        open_viewer(film, robot) as viewer,
     ):
 
         def progress_of(_: Motion, __: int) -> Any:
@@ -137,7 +135,7 @@ def learn_by_repetition(
             laps=repetition.laps,
             gains=gains,
             compensators=compensators,
-            observers=[*viewers, *([] if telemetry is None else [telemetry])],
+            observers=[each for each in (viewer, telemetry) if each is not None],
             seed=repetition.seed,
             transport=services.controller.value,
             pace=pace,
@@ -146,7 +144,7 @@ def learn_by_repetition(
             on_learned=story.keep_contractions,
             on_abort=story.keep_aborted,
         )
-        first = partial(_ask_first, learning.first, learner, robot, axes, context)
+        first = partial(ask_first, learning.first, learner, robot, axes, context)
         if not places.auto:
             try:
                 learn_at([wanted], first=first(wanted))
@@ -183,30 +181,3 @@ def learn_by_repetition(
         raise typer.Exit(ABORTED)
     if failure is not None:
         raise failure
-
-
-def _ask_first(
-    choice: FirstChoice,
-    learner: RemoteLearner,
-    robot: Robot,
-    axes: tuple[str, ...],
-    context: Context,
-    motion: Motion,
-) -> Feedforward | None:
-    """Choose what a motion of which nothing is known starts with."""
-    if choice is FirstChoice.NONE:
-        return None
-    try:
-        return learner.query(
-            motion.name,
-            robot=robot.name,
-            kind=choice.value,
-            extrapolate=True,
-            axes=axes,
-            context=context,
-            version=motion.version,
-            **motion.parameters,
-        )
-    except EntryNotFound as error:
-        typer.echo(f"note: nothing to generalise from yet ({error})", err=True)
-        return None

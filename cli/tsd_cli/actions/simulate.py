@@ -93,7 +93,7 @@ def simulate_once(
         watchable(watching, robot, told) as telemetry,
         open_controller(services, robot, time.patience) as controller,
         show_progress(describe_motion(wanted), 1.0) as progress,
-        open_viewer(film, robot) as viewers,
+        open_viewer(film, robot) as viewer,
     ):
         gates = gates_for(learned, robot, controller, wanted, gains, correction)
         # the gate before what adds to the feedforward: it is about the borrowed one
@@ -107,7 +107,7 @@ def simulate_once(
             feedforward=learned,
             gains=gains,
             compensators=compensators,
-            observers=[*viewers, *(each for each in (telemetry, log) if each is not None)],
+            observers=[each for each in (viewer, telemetry, log) if each is not None],
             seed=repetition.seed,
             transport=services.controller.value,
             progress=progress,

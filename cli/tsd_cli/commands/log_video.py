@@ -7,13 +7,14 @@ from typing import Annotated
 
 import typer
 
+from tsd_cli.commands.log import LogFile
 from tsd_cli.option_groups import with_groups
 from tsd_cli.options.film import FilmSizeOptions
 
 
 @with_groups
 def film_log(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="What 'tsd simulate --log' wrote.")],
+    log: LogFile,
     film: Annotated[Path, typer.Argument(metavar="FILE", help="The film, .mp4 or .gif.")],
     size: FilmSizeOptions,
     robot: Annotated[

@@ -46,7 +46,8 @@ class CdrMessage:
     def leave_open(self, name: str, kind: str, count: int) -> None:
         """Append numbers that ``fill`` fills in."""
         size = struct.calcsize(kind)
-        self._align(size)
+        if count:  # an empty sequence ends with its length
+            self._align(size)
         self._open[name] = (len(self._bytes), f"<{kind}", count)
         self._bytes += bytes(size * count)
 

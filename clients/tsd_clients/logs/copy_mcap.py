@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import BinaryIO
@@ -65,7 +66,7 @@ def copy_mcap(
             done.read = source.tell()
             if isinstance(record, Footer):
                 done.is_whole = True
-    except (McapError, ValueError, EOFError):
+    except (McapError, ValueError, struct.error):
         pass  # here it ends; what is behind has no beginning
     copying.finish()
     return done

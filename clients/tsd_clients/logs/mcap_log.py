@@ -36,6 +36,9 @@ class McapLog:
 
     A writer that ends early, as on a full disk, costs the rest of the log and nothing
     else; ``conclude`` tells.
+
+    Attributes:
+        path: The file.
     """
 
     def __init__(
@@ -55,7 +58,7 @@ class McapLog:
             NotAvailable: If the library that writes it is not installed.
         """
         check_log_path(path)
-        self._path, self._settings = path, dict(settings)
+        self.path, self._settings = path, dict(settings)
         self._compensators = list(compensators)
 
     def start(self, setting: Setting) -> None:
@@ -72,7 +75,7 @@ class McapLog:
         self._pipe = UnblockedPipe(target)
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", write_mcap.__name__, str(self._path)],
+                [sys.executable, "-m", write_mcap.__name__, str(self.path)],
                 stdin=source,
                 stdout=subprocess.PIPE,
                 stderr=self._words,
@@ -126,8 +129,15 @@ class McapLog:
             LogNotWritten: If it cannot be.
         """
         self._pipe.close()
-        if self._process.wait() != 0:
-            raise LogNotWritten(self._path, self._reason())
+        code = self._process.wait()
+        reason = self._reason()
+        if code != 0:
+            raise LogNotWritten(self.path, reason)
+
+    @property
+    def writer(self) -> int:
+        """Number of the process that writes."""
+        return self._process.pid
 
     def _note_vetoes(self) -> None:
         for each in self._vetoes:
@@ -146,12 +156,15 @@ class McapLog:
         self._process.kill()
         self._process.wait()
         self._pipe.close()
-        reason = self._reason() if readable else f"its writer did not start within {PATIENCE:g} s"
-        raise LogNotWritten(self._path, reason)
+        reason = self._reason()
+        if not readable:
+            reason = f"its writer did not start within {PATIENCE:g} s"
+        raise LogNotWritten(self.path, reason)
 
     def _reason(self) -> str:
-        self._words.seek(0)
-        lines = self._words.read().decode(errors="replace").strip().splitlines()
+        with self._words as words:
+            words.seek(0)
+            lines = words.read().decode(errors="replace").strip().splitlines()
         code = self._process.returncode
         if lines:
             return lines[-1]

@@ -8,9 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-from mcap.exceptions import McapError
 from mcap.reader import McapReader, make_reader
-from mcap.stream_reader import CRCValidationError
 
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.exceptions.logs import LogNotWhole
@@ -74,7 +72,9 @@ def _reader_of(path: Path) -> Iterator[McapReader]:
     with path.open("rb") as file:
         try:
             yield make_reader(file, validate_crcs=True)
-        except (McapError, CRCValidationError) as error:
+        except OSError:
+            raise
+        except Exception as error:  # whatever a parser or decompressor says of damaged bytes
             raise LogNotWhole(path, str(error) or type(error).__name__) from error
 
 

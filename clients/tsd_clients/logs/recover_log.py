@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from tsd_casadi.exceptions import InvalidValue
@@ -19,7 +20,8 @@ def recover_log(path: Path, target: Path) -> Copied:
 
     Args:
         path: The log.
-        target: May be the same file, which then is replaced when all is written.
+        target: May be the same file, which then is replaced when all is written, unless
+            it is whole.
 
     Returns:
         What was kept.
@@ -35,6 +37,11 @@ def recover_log(path: Path, target: Path) -> Copied:
             "log file", f"'{path}'", f"a {MCAP}: others are written whole or not at all"
         )
     check_log_path(path)
+    if path == target:
+        with path.open("rb") as source, open(os.devnull, "wb") as nowhere:
+            looked_at = copy_mcap(source, begin_mcap(nowhere))
+        if looked_at.is_whole and not looked_at.damaged:
+            return looked_at
     with path.open("rb") as source, write_whole(target) as file:
         copied = copy_mcap(source, begin_mcap(file))
         if not copied.tells:

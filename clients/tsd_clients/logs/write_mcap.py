@@ -36,24 +36,28 @@ MOST_ROWS = 256
 
 
 class Frames:
-    """Frames put together from the pieces in which they come."""
+    """Frames put together from the pieces in which they come.
+
+    Attributes:
+        rest: The beginning of a frame that is not complete.
+    """
 
     def __init__(self) -> None:
         """Start with nothing."""
-        self._rest = bytearray()
+        self.rest = bytearray()
 
     def take(self, piece: bytes) -> list[tuple[bytes, bytes]]:
         """Give the frames, kind and content, that are complete with a piece."""
-        self._rest += piece
+        self.rest += piece
         found, start = [], 0
-        while len(self._rest) - start >= FRAME.size:
-            kind, size = FRAME.unpack_from(self._rest, start)
+        while len(self.rest) - start >= FRAME.size:
+            kind, size = FRAME.unpack_from(self.rest, start)
             stop = start + FRAME.size + size
-            if len(self._rest) < stop:
+            if len(self.rest) < stop:
                 break
-            found.append((kind, bytes(self._rest[start + FRAME.size : stop])))
+            found.append((kind, bytes(self.rest[start + FRAME.size : stop])))
             start = stop
-        del self._rest[:start]
+        del self.rest[:start]
         return found
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import zenoh
@@ -38,13 +38,13 @@ class RunLink:
         self._is_closed = False
         self._replies: Any = None
         self._asked = 0.0
-        threading.Thread(target=self._connect, daemon=True).start()
+        self._start(self._connect)
 
     def close(self) -> None:
         """Close the connection in the background: a frozen run would be waited for."""
         self._is_closed = True
         if self._parts is not None:
-            threading.Thread(target=self._parts[0].close, daemon=True).start()
+            self._start(self._parts[0].close)
 
     def look(self) -> bool:
         """Look whether the run is there; says whether it came, or came back, since last time."""
@@ -83,6 +83,11 @@ class RunLink:
             return None
         self._replies = None
         return bytes(reply.ok.payload.to_bytes())
+
+    def _start(self, task: Callable[[], None]) -> None:
+        # the interpreter waits for it, a second or so at the most: in the middle of Zenoh
+        # it would end with a crash
+        threading.Thread(target=task).start()
 
     def _connect(self) -> None:
         record = self._record

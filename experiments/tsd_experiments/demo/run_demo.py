@@ -128,3 +128,9 @@ def _print(summary: dict[str, Any], plan: Plan, out: Path, pictures: str) -> Non
         f"{summary['seconds']:.0f} s. {pictures}\n"
         f"summary, logs and figures in {out}"
     )
+    log = out / "logs" / f"{file_name(label_of(plan.amplitude, 'learned, iteration 1'))}.npz"
+    console.print(
+        f"Look at it: 'tsd log video {log} squat.mp4' makes a film of a run, "
+        f"'tsd view --log {log}' shows it in a browser, 'tsd view' what runs now; --video of "
+        "simulate and learn makes a film at once."
+    )
