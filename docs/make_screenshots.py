@@ -132,7 +132,7 @@ def explorer(folder: Path) -> None:
     learn = ("learn", *squat, "--auto", "3", "--region", "amplitude", "--iterations", "2")
     with ServiceProcess(service, run_directory=folder):
         with command(folder, *learn, "--connect", endpoint) as learned:
-            learned.communicate()
+            learned.wait()
         with (
             command(folder, "simulate", *squat, "--laps", "500"),
             page_with(folder, "hermes_lower") as page,
