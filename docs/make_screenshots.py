@@ -100,7 +100,9 @@ def robots(folder: Path) -> None:
             stack.enter_context(command(folder, "simulate", *squat, *options))
         page = stack.enter_context(page_with(folder, *ROBOTS))
         open_tab(page, "Motion")
-        page.locator("[data-run*='lap 4']").wait_for()
+        page.wait_for_function(
+            "() => /lap ([4-9]|..)/.test(document.querySelector('[data-run]')?.dataset.run)"
+        )
         keep(page, "view_robots")
 
 
@@ -110,7 +112,17 @@ def learning(folder: Path) -> None:
     database = str(folder.parent / "learned.sqlite")
     service = ["learner", "--database", database, "--listen", endpoint]
     options = ("--robot", "g1", "--model-error", "0.1", "--controller", "local", "--laps", "4")
-    learn = ("learn", "squat", "--connect", endpoint, "--iterations", "8", *options)
+    learn = (
+        "learn",
+        "squat",
+        "--connect",
+        endpoint,
+        "--iterations",
+        "16",
+        "--stop-after",
+        "16",
+        *options,
+    )
     with (
         ServiceProcess(service, run_directory=folder),
         ServiceProcess(["controller", "--listen", free_endpoint()], run_directory=folder),
@@ -119,7 +131,11 @@ def learning(folder: Path) -> None:
     ):
         page.get_by_label("see through the robot").click()
         open_tab(page, "Motion")
-        page.locator("[data-run*='repetition 3'][data-run*='lap 4']").wait_for()
+        # each of the later repetitions will do, near its end
+        page.wait_for_function(
+            "() => /repetition ([3-9]|1.), .*lap [34]/.test("
+            "document.querySelector('[data-run]')?.dataset.run)"
+        )
         keep(page, "view_learning")
 
 

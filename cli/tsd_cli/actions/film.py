@@ -80,7 +80,7 @@ class Footage:
 
 
 def title_of(run: Run) -> str:
-    """Say what a film is of: 'g1: squat 3 cm, model error 10 %, P x 0.2'."""
+    """Say what a film is of: 'robot: squat 3 cm, model error 10 %, P x 0.2'."""
     settings = run.settings
     parts = [describe_motion(run.motion)]
     if error := settings.get("model_error"):
