@@ -137,11 +137,32 @@ def learning(folder: Path) -> None:
             "document.querySelector('[data-run]')?.dataset.run)"
         )
         keep(page, "view_learning")
-        open_tab(page, "Explorer")
-        keep(page, "view_explorer")
 
 
-PICTURES: dict[str, Any] = {"robots": robots, "learning": learning}
+def explorer(folder: Path) -> None:
+    """Squats learned at three amplitudes: what is known at others, and how the error shrank."""
+    endpoint = free_endpoint()
+    database = str(folder.parent / "learned.sqlite")
+    service = ["learner", "--database", database, "--listen", endpoint]
+    squat = ("squat", "--controller", "local", "--frequency", "0.5", "--model-error", "0.1")
+    learn = ("learn", *squat, "--auto", "3", "--region", "amplitude", "--iterations", "2")
+    with ServiceProcess(service, run_directory=folder):
+        with command(folder, *learn, "--connect", endpoint) as learned:
+            learned.wait()
+        with (
+            command(folder, "simulate", *squat, "--laps", "500"),
+            page_with(folder, "hermes_lower") as page,
+        ):
+            open_tab(page, "Learning")
+            keep(page, "view_iterations")
+            open_tab(page, "Explorer")
+            page.get_by_role("slider").first.focus()
+            for _ in range(15):
+                page.keyboard.press("ArrowRight")
+            keep(page, "view_explorer")
+
+
+PICTURES: dict[str, Any] = {"robots": robots, "learning": learning, "explorer": explorer}
 
 
 if __name__ == "__main__":
