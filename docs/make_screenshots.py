@@ -100,7 +100,9 @@ def robots(folder: Path) -> None:
             stack.enter_context(command(folder, "simulate", *squat, *options))
         page = stack.enter_context(page_with(folder, *ROBOTS))
         open_tab(page, "Motion")
-        page.locator("[data-run*='lap 4']").wait_for()
+        page.wait_for_function(
+            "() => /lap ([4-9]|..)/.test(document.querySelector('[data-run]')?.dataset.run)"
+        )
         keep(page, "view_robots")
 
 
@@ -110,7 +112,17 @@ def learning(folder: Path) -> None:
     database = str(folder.parent / "learned.sqlite")
     service = ["learner", "--database", database, "--listen", endpoint]
     options = ("--robot", "g1", "--model-error", "0.1", "--controller", "local", "--laps", "4")
-    learn = ("learn", "squat", "--connect", endpoint, "--iterations", "8", *options)
+    learn = (
+        "learn",
+        "squat",
+        "--connect",
+        endpoint,
+        "--iterations",
+        "16",
+        "--stop-after",
+        "16",
+        *options,
+    )
     with (
         ServiceProcess(service, run_directory=folder),
         ServiceProcess(["controller", "--listen", free_endpoint()], run_directory=folder),
@@ -119,13 +131,38 @@ def learning(folder: Path) -> None:
     ):
         page.get_by_label("see through the robot").click()
         open_tab(page, "Motion")
-        page.locator("[data-run*='repetition 3'][data-run*='lap 4']").wait_for()
+        # each of the later repetitions will do, near its end
+        page.wait_for_function(
+            "() => /repetition ([3-9]|1.), .*lap [34]/.test("
+            "document.querySelector('[data-run]')?.dataset.run)"
+        )
         keep(page, "view_learning")
-        open_tab(page, "Explorer")
-        keep(page, "view_explorer")
 
 
-PICTURES: dict[str, Any] = {"robots": robots, "learning": learning}
+def explorer(folder: Path) -> None:
+    """Squats learned at three amplitudes: what is known at others, and how the error shrank."""
+    endpoint = free_endpoint()
+    database = str(folder.parent / "learned.sqlite")
+    service = ["learner", "--database", database, "--listen", endpoint]
+    squat = ("squat", "--controller", "local", "--frequency", "0.5", "--model-error", "0.1")
+    learn = ("learn", *squat, "--auto", "3", "--region", "amplitude", "--iterations", "2")
+    with ServiceProcess(service, run_directory=folder):
+        with command(folder, *learn, "--connect", endpoint) as learned:
+            learned.wait()
+        with (
+            command(folder, "simulate", *squat, "--laps", "500"),
+            page_with(folder, "hermes_lower") as page,
+        ):
+            open_tab(page, "Learning")
+            keep(page, "view_iterations")
+            open_tab(page, "Explorer")
+            page.get_by_role("slider").first.focus()
+            for _ in range(15):
+                page.keyboard.press("ArrowRight")
+            keep(page, "view_explorer")
+
+
+PICTURES: dict[str, Any] = {"robots": robots, "learning": learning, "explorer": explorer}
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.tick.row_state import RowState
 from tsd_casadi.wire.run_record import RunRecord
-from tsd_clients.logs.read_log import Log
+from tsd_clients.logs.log import Log
 from tsd_clients.viewer import service_watch
 from tsd_clients.viewer.panels.joint_panel import joints_table, limits_table
 from tsd_clients.viewer.panels.run_panel import _distinct

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ipaddress
 import sys
 import webbrowser
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
@@ -15,6 +16,7 @@ from tsd_cli.interrupt import interruptible
 from tsd_cli.options.page import PageOptions, ReplayOptions
 from tsd_cli.options.robot import RobotOptions
 from tsd_clients.extra import require_extra
+from tsd_clients.logs.log import Log
 from tsd_clients.logs.read_log import read_log
 
 if TYPE_CHECKING:
@@ -114,7 +116,7 @@ def _replayed(server: PageServer, options: ReplayOptions) -> Page:
 
     assert options.log is not None
     log = read_log(options.log)
-    robot = load_robot(options.robot or log.robot or RobotOptions().robot)
+    robot = load_robot(options.robot or _robot_of(log))
     replay = Replay(options.log, log, robot)
     chosen = RunPanel(replay)
     panels = (
@@ -125,6 +127,13 @@ def _replayed(server: PageServer, options: ReplayOptions) -> Page:
         RobotPanel(replay),
     )
     return Page(server, (replay,), panels)
+
+
+def _robot_of(log: Log) -> str:
+    """Find the robot of a log: its file, if it is where it was."""
+    if log.outline is not None and Path(log.outline.robot_file).is_file():
+        return log.outline.robot_file
+    return log.robot or RobotOptions().robot
 
 
 def _is_loopback(address: str) -> bool:

@@ -48,7 +48,9 @@ class ReplayOptions:
     log: Annotated[
         Path | None,
         typer.Option(
-            "--log", metavar="FILE", help="Play a log instead of showing what runs: .npz or .csv."
+            "--log",
+            metavar="FILE",
+            help="Play a log instead of showing what runs: .npz, .mcap or .csv.",
         ),
     ] = None
     robot: Annotated[

@@ -10,7 +10,7 @@ from tsd_casadi.tick.layout import Layout
 from tsd_casadi.wire.run_outline import RunOutline
 from tsd_clients.telemetry.watched_run import WatchedRun, watched_runs
 from tsd_clients.viewer.rolling import Rolling
-from tsd_clients.viewer.shown_run import RunLabel, ShownRun
+from tsd_clients.viewer.shown_run import RunLabel, ShownRun, words_of
 from tsd_clients.viewer.ticks import RowReader, Ticks
 
 if TYPE_CHECKING:
@@ -97,14 +97,13 @@ class LiveRun:
         self._reader = RowReader(outline, layout)
         if len(self._rows.rows) == 0 or self._rows.rows.shape[1] != layout.size:
             self._rows = Rolling(ROWS, layout.size)
-        parameters = ", ".join(f"{name} {value:.4g}" for name, value in outline.parameters.items())
         self._label = RunLabel(
             key=f"{self.watched.record.instance:x}",
             robot=outline.robot,
             robot_file=outline.robot_file,
             model=outline.model,
             motion=outline.motion,
-            parameters=parameters,
+            parameters=words_of(outline.parameters),
             axes=outline.axes,
             learned=outline.learned,
             joints=known.joints,

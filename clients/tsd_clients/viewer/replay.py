@@ -9,7 +9,7 @@ import numpy as np
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.robot.robot import Robot
 from tsd_clients.logs.log import Log
-from tsd_clients.viewer.shown_run import RunLabel, ShownRun
+from tsd_clients.viewer.shown_run import RunLabel, ShownRun, words_of
 from tsd_clients.viewer.ticks import Ticks, limit_rows_of_log, ticks_of_log
 
 # of what the charts show [s]
@@ -47,10 +47,10 @@ class Replay:
             robot=robot.name,
             robot_file=str(robot.path),
             model=log.model,
-            motion=path.name,
-            parameters="",
+            motion="a log" if log.outline is None else log.outline.motion,
+            parameters=words_of({} if log.outline is None else log.outline.parameters),
             axes=log.axes,
-            learned=len(log.axes),
+            learned=len(log.learned or log.axes),
             joints=tuple(robot.joint_names),
             contacts=tuple(contact.name for contact in robot.description.contacts),
             all_axes=tuple(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -47,6 +48,11 @@ class RunLabel:
     def title(self) -> str:
         """Name it for people."""
         return f"{self.robot}: {self.motion}"
+
+
+def words_of(parameters: Mapping[str, float]) -> str:
+    """Write a motion's parameters for people: 'amplitude 0.03, frequency 0.4'."""
+    return ", ".join(f"{name} {value:.4g}" for name, value in parameters.items())
 
 
 class ShownRun(Protocol):

@@ -17,7 +17,7 @@ ROW_VIEW = np.array((0.95, 0.2, 0.2))
 FIELD = np.radians(35.0)
 AWAY = 2.1
 # as many times as far away as a row is wide it fits, its nearer end too
-ROW_AWAY = 1.7
+ROW_AWAY = 1.45
 
 
 class Surroundings:
@@ -47,7 +47,7 @@ class Surroundings:
             position=(0.0, 0.0, -0.002),
         )
         # the ground has no edge
-        scene.configure_fog(near=4.0, far=14.0, color=(255, 255, 255))
+        scene.configure_fog(near=9.0, far=22.0, color=(255, 255, 255))
         self.look_at(1, 1.0)
 
     def cast_shadows(self, wanted: bool) -> None:
