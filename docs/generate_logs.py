@@ -12,6 +12,53 @@ from tsd_clients.logs.mcap_recording import DIAGNOSTIC_PERIOD, LINK_PERIOD
 from tsd_clients.logs.ros_messages import MORE_FIELDS
 
 TARGET = Path(__file__).parent / "logs.md"
+EVERY = "every tick"
+TOPICS = (
+    (
+        "/robot_description",
+        "std_msgs/msg/String",
+        "once",
+        "the URDF as loaded: xacro expanded, with what the robot file overrides",
+    ),
+    (
+        "/joint_states",
+        "sensor_msgs/msg/JointState",
+        EVERY,
+        "as measured; effort is the commanded torque",
+    ),
+    (
+        "/true/joint_states",
+        "sensor_msgs/msg/JointState",
+        EVERY,
+        "as simulated; as measured where nobody knows it",
+    ),
+    (
+        "/tf",
+        "tf2_msgs/msg/TFMessage",
+        f"every {1e3 * LINK_PERIOD:g} ms",
+        "every link, and `contact/NAME` for each contact's wrench, in `world`",
+    ),
+    (
+        "/contacts/NAME/wrench",
+        "geometry_msgs/msg/WrenchStamped",
+        "every answered tick",
+        "the planned wrench, in the frame `contact/NAME`",
+    ),
+    (
+        "/diagnostics",
+        "diagnostic_msgs/msg/DiagnosticArray",
+        f"every {1e3 * DIAGNOSTIC_PERIOD:g} ms",
+        "lap; share or veto of the feedforward; missed periods by cause; ticks without a solution; "
+        "active limits by name, in how many ticks",
+    ),
+    (
+        "/tsd/tick",
+        "tsd_msgs/msg/Tick",
+        EVERY,
+        "all fields above but `measured`, in float64, so that measures computed from it are the "
+        "run's, and those below",
+    ),
+)
 
 
 def field_table(fields: Mapping[str, LogField]) -> str:
@@ -21,6 +68,13 @@ def field_table(fields: Mapping[str, LogField]) -> str:
         lines.append(
             f"| `{name}` | {field.shape} | {field.type} | {field.unit or '-'} | {field.meaning} |"
         )
+    return "\n".join(lines)
+
+
+def topic_table() -> str:
+    """Every topic of an MCAP file."""
+    lines = ["| topic | type | when | what |", "| --- | --- | --- | --- |"]
+    lines += [f"| `{topic}` | {' | '.join(rest)} |" for topic, *rest in TOPICS]
     return "\n".join(lines)
 
 
@@ -45,12 +99,18 @@ says how, {" or ".join(sorted(ENDINGS))}:
 ## Looking at a log
 
 ```bash
-tsd log show run.mcap                       # what it is of, RMS by axis from its ticks, what went wrong
-tsd log plot run.mcap                       # run.png: error, feedback, feedforward, torques against limits
-tsd log cut run.mcap part.mcap --laps 1:2   # or --from 2 --to 3.5, in seconds
-tsd log convert run.mcap run.npz            # and back; a .csv does not tell its robot and stays a .csv or .npz
-tsd log recover run.mcap                    # makes a file whole whose writer was killed
-tsd explain run.mcap                        # why a tick had no solution, what limits cost (explain.md)
+# what it is of, RMS by axis from its ticks, what went wrong
+tsd log show run.mcap
+# run.png: error, feedback, feedforward, torques against limits
+tsd log plot run.mcap
+# or --from 2 --to 3.5, in seconds
+tsd log cut run.mcap part.mcap --laps 1:2
+# and back; a .csv does not tell its robot and cannot become a .mcap
+tsd log convert run.mcap run.npz
+# makes a file whole whose writer was killed
+tsd log recover run.mcap
+# why a tick had no solution, or what limits cost
+tsd explain run.mcap
 ```
 
 `read_log(path)` of `tsd_clients.logs.read_log` gives a `Log` from any of them: `fields` as below,
@@ -79,15 +139,7 @@ ends with a fall ends with the last tick before it.
 Messages are ROS 2's CDR with their definitions in the file, in zstd chunks of 64 KiB with
 checksums. A message's time is that of the tick, counted from the moment when the run began.
 
-| topic | type | when | what |
-| --- | --- | --- | --- |
-| `/robot_description` | std_msgs/msg/String | once | the URDF, as loaded: xacro expanded, overrides of the robot file in it |
-| `/joint_states` | sensor_msgs/msg/JointState | every tick | as measured; effort is the commanded torque |
-| `/true/joint_states` | sensor_msgs/msg/JointState | every tick | as simulated; as measured where nobody knows it |
-| `/tf` | tf2_msgs/msg/TFMessage | every {1e3 * LINK_PERIOD:g} ms | every link, and `contact/NAME` for each contact's wrench, in `world` |
-| `/contacts/NAME/wrench` | geometry_msgs/msg/WrenchStamped | every answered tick | the planned wrench, in the frame `contact/NAME` |
-| `/diagnostics` | diagnostic_msgs/msg/DiagnosticArray | every {1e3 * DIAGNOSTIC_PERIOD:g} ms | lap; share or veto of the feedforward; missed periods by cause; ticks without a solution; active limits by name, in how many ticks |
-| `/tsd/tick` | tsd_msgs/msg/Tick | every tick | all fields above but `measured`, in float64, so that measures computed from it are the run's, and those below |
+{topic_table()}
 
 {field_table(MORE_FIELDS)}
 

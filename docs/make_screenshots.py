@@ -157,8 +157,7 @@ def explorer(folder: Path) -> None:
             keep(page, "view_iterations")
             open_tab(page, "Explorer")
             page.get_by_role("slider").first.focus()
-            for _ in range(15):
-                page.keyboard.press("ArrowRight")
+            page.keyboard.press("ArrowRight")
             keep(page, "view_explorer")
 
 

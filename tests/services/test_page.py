@@ -200,9 +200,9 @@ def test_slider_shows_what_the_learner_answers(
     slider.focus()
     before = drawn(page, "com.z")
     for _ in range(17):
-        page.keyboard.press("ArrowRight")
+        page.keyboard.press("ArrowLeft")
     amplitude = float(slider.get_attribute("aria-valuenow"))
-    assert amplitude == pytest.approx(0.067)
+    assert amplitude == pytest.approx(0.053)
     monkeypatch.setenv("TSD_RUN_DIR", str(folder))
     (endpoint,) = (record.endpoints[0] for record in running() if record.role == "learner")
     with RemoteLearner([endpoint]) as remote:

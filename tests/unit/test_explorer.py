@@ -94,7 +94,9 @@ def test_a_slider_spans_the_entries_and_some_of_what_is_refused(explorer: Explor
     assert (amplitude.name, amplitude.unit) == ("amplitude", "m")
     assert amplitude.meaning == "half of peak to peak"
     assert (amplitude.learned_low, amplitude.learned_high) == (0.02, 0.08)
-    assert 0 < amplitude.low < 0.02 < amplitude.start < 0.08 < amplitude.high < 0.1
+    assert 0 < amplitude.low < 0.02 < 0.08 < amplitude.high < 0.1
+    # in the middle of the widest gap: something to predict
+    assert amplitude.start == 0.07
     assert frequency.is_movable and not frequency.varies
     # all of them have none of it: nothing to choose
     assert not height.is_movable

@@ -107,6 +107,26 @@ def test_epochs_have_lines_of_their_own_and_a_mark_between(changed: EntryMessage
     assert any("changed 1" in each for each in told(changed, None))
 
 
+def test_true_errors_have_a_line_where_they_are_others(entry: EntryMessage) -> None:
+    def labels(factor: float) -> list[str]:
+        iterations = [
+            each.model_copy(
+                update={
+                    "errors": {
+                        name: error.model_copy(update={"true_rms": factor * error.rms})
+                        for name, error in (each.errors or {}).items()
+                    }
+                }
+            )
+            for each in entry.iterations
+        ]
+        _, lines, _ = error_chart({"com.z": ErrorHistory.of(iterations, "com.z")})
+        return [line.label for line in lines]
+
+    assert labels(1.019) == ["com.z"]
+    assert labels(1.021) == ["com.z", "com.z, true"]
+
+
 def test_weights_before_and_after_are_curves_over_the_phase(squat: Entry) -> None:
     recorded = recorded_of(squat, before=1)
     before, after = weight_lines("com.z", recorded, None)

@@ -38,7 +38,7 @@ def error_chart(
                 low, high = map(place, history.repeatability)
                 shades.append(Shade(low, high, color))
             lines.append(Line(name, place(history.rms), color, points=True))
-            if np.isfinite(history.true_rms).any():
+            if history.true_differs:
                 true = place(history.true_rms)
                 lines.append(Line(f"{name}, true", true, color, dash=(4.0, 4.0)))
     every = np.concatenate([line.values for line in lines])

@@ -16,6 +16,8 @@ from tsd_clients.viewer.prediction import PHASE
 
 # errors that are zero have no place on a logarithmic axis; 1 nm is nothing of a robot's [m, rad]
 SMALLEST = 1e-9
+# of an error: two lines that are closer lie on one another
+SEEN = 0.02
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,13 @@ class ErrorHistory:
     def has_deviation(self) -> bool:
         """Whether it is known how well the errors repeat."""
         return bool((self.deviation > 0).any())
+
+    @property
+    def true_differs(self) -> bool:
+        """Whether the true errors are known, and others than those that the controller sees."""
+        known = np.isfinite(self.true_rms) & np.isfinite(self.rms)
+        off = np.abs(self.true_rms[known] - self.rms[known])
+        return bool((off > SEEN * self.rms[known]).any())
 
     @property
     def repeatability(self) -> tuple[Vector, Vector]:

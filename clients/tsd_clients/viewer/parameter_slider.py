@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from tsd_casadi.motions.parameter import Parameter
 
@@ -33,6 +34,7 @@ class ParameterSlider:
         step: Multiples of it are what can be chosen.
         learned_low: Smallest value of an entry; below it is extrapolated.
         learned_high: Largest value of an entry; above it is extrapolated.
+        start: Where it stands at first: between two entries, so that there is something to predict.
     """
 
     name: str
@@ -43,6 +45,7 @@ class ParameterSlider:
     step: float
     learned_low: float
     learned_high: float
+    start: float
 
     @classmethod
     def over(cls, parameter: Parameter, learned: Sequence[float]) -> ParameterSlider:
@@ -68,6 +71,7 @@ class ParameterSlider:
             step=step,
             learned_low=least,
             learned_high=most,
+            start=_start(learned, step),
         )
 
     @property
@@ -80,14 +84,6 @@ class ParameterSlider:
         """Whether entries differ in it, so that it can be generalised over."""
         return self.learned_high > self.learned_low
 
-    @property
-    def start(self) -> float:
-        """The step in the middle of what was learned."""
-        if not self.varies:
-            return self.learned_low
-        middle = self.step * round((self.learned_low + self.learned_high) / 2 / self.step)
-        return round(min(max(middle, self.learned_low), self.learned_high), 6)
-
 
 def _step(learned: Sequence[float], span: float) -> float:
     """Find a step at which the values of all entries are met, or else a round one."""
@@ -98,3 +94,13 @@ def _step(learned: Sequence[float], span: float) -> float:
             return round(step, 6)
     power = 10.0 ** math.floor(math.log10(max(span / STEPS, FINEST)))
     return max(round(power, 6), FINEST)
+
+
+def _start(learned: Sequence[float], step: float) -> float:
+    """Find the step in the middle of the widest gap between entries."""
+    places = sorted(set(learned))
+    if len(places) == 1:
+        return places[0]
+    low, high = max(pairwise(places), key=lambda gap: round((gap[1] - gap[0]) / step))
+    middle = step * round((low + high) / 2 / step)
+    return round(min(max(middle, low), high), 6)
