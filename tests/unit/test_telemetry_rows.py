@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tsd_casadi.exceptions import LayoutMismatch, MalformedMessage, UnsupportedVersion
-from tsd_casadi.tick.layout import Field, Layout
+from tsd_casadi.tick.layout import Field, Layout, hash_layouts
 from tsd_casadi.wire.telemetry_rows import (
     HEADER,
     HEADER_FIELDS,
@@ -21,6 +21,7 @@ from tsd_casadi.wire.telemetry_rows import (
 
 ROW = Layout((Field("time", 1, "s", ""), Field("q", 3, "rad", "")))
 LAYOUT = telemetry_layout(ROW)
+HASH = hash_layouts([LAYOUT])
 
 
 def test_a_published_row_begins_with_what_a_log_notes() -> None:
@@ -45,8 +46,8 @@ def test_rows_come_out_as_they_went_in(
 ) -> None:
     rows = np.random.default_rng(seed).normal(size=(count, LAYOUT.size))
     rows[:, 0] = np.nan  # what nobody knows
-    payload = pack_rows(LAYOUT, rows, repetition=repetition, dropped=dropped, event=event)
-    found = unpack_rows(payload, LAYOUT)
+    payload = pack_rows(HASH, rows, repetition=repetition, dropped=dropped, event=event)
+    found = unpack_rows(payload, HASH, LAYOUT.size)
     np.testing.assert_array_equal(found.rows, rows)
     assert (found.repetition, found.dropped, found.event) == (repetition, dropped, event)
     assert repetition_of(payload) == repetition
@@ -55,15 +56,15 @@ def test_rows_come_out_as_they_went_in(
 @given(st.binary(max_size=400))
 def test_what_is_no_message_of_rows_is_told(payload: bytes) -> None:
     with pytest.raises((MalformedMessage, UnsupportedVersion, LayoutMismatch)):
-        unpack_rows(payload, LAYOUT)
+        unpack_rows(payload, HASH, LAYOUT.size)
 
 
 def test_rows_of_another_layout_version_or_length_are_told() -> None:
-    payload = pack_rows(LAYOUT, np.zeros((2, LAYOUT.size)), repetition=1)
+    payload = pack_rows(HASH, np.zeros((2, LAYOUT.size)), repetition=1)
     with pytest.raises(LayoutMismatch, match="of the run's outline"):
-        unpack_rows(payload, ROW)
+        unpack_rows(payload, HASH + 1, LAYOUT.size)
     with pytest.raises(MalformedMessage, match="rows of 8 float64"):
-        unpack_rows(payload[:-8], LAYOUT)
+        unpack_rows(payload[:-8], HASH, LAYOUT.size)
     other = payload[:4] + struct.pack("<H", 2) + payload[6:]
     with pytest.raises(UnsupportedVersion, match="version 2 of rows"):
-        unpack_rows(other, LAYOUT)
+        unpack_rows(other, HASH, LAYOUT.size)

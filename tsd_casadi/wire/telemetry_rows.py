@@ -13,7 +13,7 @@ import numpy as np
 
 from tsd_casadi.exceptions import LayoutMismatch, MalformedMessage, UnsupportedVersion
 from tsd_casadi.state import Matrix
-from tsd_casadi.tick.layout import Field, Layout, hash_layouts
+from tsd_casadi.tick.layout import Field, Layout
 
 MAGIC = b"TSDW"
 VERSION = 1
@@ -45,7 +45,7 @@ class TelemetryRows:
         repetition: Number of the repetition in its run, from 1 on.
         dropped: Rows that the run itself had no room for, so far.
         event: Number of the newest event before them.
-        rows: (N, layout.size), writable only if copied.
+        rows: (N, size of the layout), writable only if copied.
     """
 
     repetition: int
@@ -64,19 +64,18 @@ def telemetry_layout(row: Layout) -> Layout:
 
 
 def pack_rows(
-    layout: Layout, rows: Matrix, *, repetition: int, dropped: int = 0, event: int = 0
+    layout: int, rows: Matrix, *, repetition: int, dropped: int = 0, event: int = 0
 ) -> bytes:
     """Put rows together.
 
     Args:
-        layout: Of ``telemetry_layout``.
-        rows: (N, layout.size).
+        layout: Hash of the ``telemetry_layout``; it takes longer than all the rest.
+        rows: (N, size of the layout).
         repetition: Number of the repetition in its run.
         dropped: Rows that were dropped before them.
         event: Number of the newest event before them.
     """
-    layout_hash = hash_layouts([layout])
-    header = HEADER.pack(MAGIC, VERSION, 0, repetition, dropped, layout_hash, event)
+    header = HEADER.pack(MAGIC, VERSION, 0, repetition, dropped, layout, event)
     return header + rows.astype("<f8", copy=False).tobytes()
 
 
@@ -97,11 +96,12 @@ def repetition_of(payload: bytes) -> int:
     return int(repetition)
 
 
-def unpack_rows(payload: bytes, layout: Layout) -> TelemetryRows:
+def unpack_rows(payload: bytes, layout: int, size: int) -> TelemetryRows:
     """Take rows apart, checking all but the numbers themselves.
 
     Args:
-        layout: Of ``telemetry_layout``.
+        layout: Hash of the ``telemetry_layout``.
+        size: How many float64 are in a row.
 
     Raises:
         MalformedMessage: If magic or length are wrong.
@@ -110,13 +110,12 @@ def unpack_rows(payload: bytes, layout: Layout) -> TelemetryRows:
     """
     repetition = repetition_of(payload)
     *_, dropped, found, event = HEADER.unpack_from(payload)
-    expected = hash_layouts([layout])
-    if found != expected:
+    if found != layout:
         raise LayoutMismatch(
-            f"layout {found:#018x} of rows", f"{expected:#018x}, of the run's outline"
+            f"layout {found:#018x} of rows", f"{layout:#018x}, of the run's outline"
         )
     length = len(payload) - HEADER.size
-    if length % (8 * layout.size):
-        raise MalformedMessage(f"{length} bytes after the header", f"rows of {layout.size} float64")
+    if length % (8 * size):
+        raise MalformedMessage(f"{length} bytes after the header", f"rows of {size} float64")
     numbers = np.frombuffer(payload, dtype="<f8", offset=HEADER.size)
-    return TelemetryRows(repetition, dropped, event, numbers.reshape(-1, layout.size))
+    return TelemetryRows(repetition, dropped, event, numbers.reshape(-1, size))

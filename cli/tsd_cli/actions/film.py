@@ -133,7 +133,8 @@ def film_log(log: Path, target: Path, robot: str | None, options: FilmSizeOption
     size = read_size(options)
     found = read_log(log)
     known = load_robot(robot or _robot_of(found))
-    rate, plotted = rate_of(target), len(found.learned)
+    # all axes where the log does not tell which are learned
+    rate, plotted = rate_of(target), len(found.learned) or None
     clip = make_clip(known, found.fields, found.axes, rate=rate, plotted=plotted)
     what = log.name if found.outline is None else f"{found.outline.motion}, {log.name}"
     _make(known, [clip], target, f"{known.name}: {what}", size)

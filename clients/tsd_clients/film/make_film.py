@@ -125,10 +125,12 @@ def _with_legend(picture: Picture, header: int) -> Picture:
     draw = ImageDraw.Draw(image)
     font = _font(0.26 * header)
     line = round(0.36 * header)
-    for place, (text, color) in enumerate(LEGEND):
-        top = image.height - (len(LEGEND) - place) * line - line // 4
+    for number, (text, color) in enumerate(LEGEND):
+        top = image.height - (len(LEGEND) - number) * line - line // 4
         draw.rectangle((header // 5, top, header // 5 + line // 2, top + line // 2), fill=color)
-        draw.text((header // 5 + line, top - line // 6), text, PAPER, font)
+        place = header // 5 + line, top - line // 6
+        # legible on dark ground and on light
+        draw.text(place, text, PAPER, font, stroke_width=1, stroke_fill=FAINT)
     return np.asarray(image)
 
 

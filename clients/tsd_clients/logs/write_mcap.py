@@ -27,8 +27,9 @@ OUTLINE, SETTINGS, ROW, VETO = b"o", b"g", b"r", b"v"
 REQUEST, OUTCOME, SUMMARY = b"q", b"e", b"s"
 BEGAN = struct.Struct("<Q")
 READY = b"ready\n"
-# least of all: a tick never waits for the file
-NICENESS = 19
+# behind whatever moves the robot; not last of all, where a busy computer would not let it run
+# and rows would pile up in the run's memory
+NICENESS = 10
 # between two readings [s]: rows come by the dozen, and the loop wakes nobody up
 PAUSE = 0.02
 # rows that are turned into messages at once; more of them would only take more memory

@@ -19,6 +19,7 @@ from tsd_casadi.exceptions import RunDirectoryUnusable
 from tsd_casadi.repetition.compensator import Moment, Setting
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.state import Vector
+from tsd_casadi.tick.layout import hash_layouts
 from tsd_casadi.wire.registration import Registration
 from tsd_casadi.wire.run_record import RunRecord
 from tsd_casadi.wire.telemetry import (
@@ -120,6 +121,7 @@ class Telemetry:
         self._laps = 0
         self._learned = setting.axes[: setting.learned]
         self._sampling = Sampling(setting)
+        self._layout = hash_layouts([self._sampling.layout])
         if self._repetition == 1:
             self._sign_on(setting.motion.name)
         self._tell(RepetitionBegan, outline=outline_of(setting), settings=self._settings)
@@ -186,7 +188,7 @@ class Telemetry:
         if not self._batch:
             return
         body = pack_rows(
-            self._sampling.layout,
+            self._layout,
             np.array(self._batch),
             repetition=self._repetition,
             dropped=self.dropped,

@@ -10,7 +10,7 @@ import numpy as np
 
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.state import Matrix
-from tsd_casadi.tick.layout import Layout
+from tsd_casadi.tick.layout import Layout, hash_layouts
 from tsd_casadi.wire.run_directory import is_stopped, running
 from tsd_casadi.wire.run_outline import RunOutline
 from tsd_casadi.wire.run_record import RunRecord
@@ -80,7 +80,7 @@ class WatchedRun:
         self.dropped = 0
         self.trouble = ""
         self._link = RunLink(record)
-        self._number = 0
+        self._number, self._layout = 0, 0
         self._waiting: deque[tuple[str, bytes]] = deque(maxlen=WAITING)
         self._since = time.monotonic()
 
@@ -162,7 +162,7 @@ class WatchedRun:
         if repetition > self.repetition and self._can_ask():
             return False
         if repetition == self.repetition and self.layout is not None:
-            taken = unpack_rows(body, self.layout)
+            taken = unpack_rows(body, self._layout, self.layout.size)
             self.dropped = taken.dropped
             if taken.event > self._number:
                 self._link.ask()
@@ -193,6 +193,7 @@ class WatchedRun:
             case RepetitionBegan():
                 self.repetition, self.outline = event.repetition, event.outline
                 self.layout = telemetry_layout(event.outline.layout)
+                self._layout = hash_layouts([self.layout])
                 self.laps, self.outcome = [], ""
             case LapDone():
                 self.laps.append(event)
