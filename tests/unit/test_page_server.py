@@ -6,6 +6,9 @@ import socket
 
 import pytest
 import viser
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+from websockets.typing import Origin, Subprotocol
 
 from tsd_casadi.exceptions import InvalidValue
 from tsd_clients.viewer.page import Page
@@ -61,3 +64,16 @@ def test_an_address_of_another_machine_is_refused() -> None:
     # TEST-NET-1: nobody's
     with pytest.raises(InvalidValue, match=r"192\.0\.2\.1"):
         open_server("192.0.2.1", 8080)
+
+
+def test_pages_from_elsewhere_are_refused() -> None:
+    server = open_server(LOOPBACK, 8090)
+    url = f"ws://{LOOPBACK}:{server.get_port()}"
+    protocol = [Subprotocol(f"viser-v{viser.__version__}")]
+    own = Origin(f"http://{LOOPBACK}:{server.get_port()}")
+    try:
+        connect(url, origin=own, subprotocols=protocol).close()
+        with pytest.raises(InvalidStatus, match="403"):
+            connect(url, origin=Origin("http://example.org"), subprotocols=protocol)
+    finally:
+        server.stop()

@@ -5,8 +5,12 @@ from __future__ import annotations
 import contextlib
 import io
 import socket
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
 
 import viser
+import websockets.asyncio.server
 
 from tsd_casadi.exceptions import InvalidValue
 
@@ -43,12 +47,33 @@ def open_server(host: str, port: int) -> PageServer:
         InvalidValue: If it cannot listen there.
     """
     free = _free_port(host, port)
-    with contextlib.redirect_stdout(io.StringIO()):  # it would draw a box with its addresses
+    own = _only_own_pages(host, free) if host == LOOPBACK else contextlib.nullcontext()
+    # it would draw a box with its addresses
+    with own, contextlib.redirect_stdout(io.StringIO()):
         server = PageServer(host=host, port=free, label=LABEL, verbose=False)
     server.gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(40, 90, 160))
     server.gui.main_panel.dock_right()
     server.gui.main_panel.set_width(WIDTH)
     return server
+
+
+@contextlib.contextmanager
+def _only_own_pages(host: str, port: int) -> Iterator[None]:
+    """Make a server that is opened meanwhile refuse what other pages send.
+
+    A browser lets any page talk to this machine's loopback and says which page it was;
+    viser does not ask, and a page from anywhere could press the buttons of this one.
+    """
+    # viser, which brings this library, looks it up there when it starts
+    module: Any = websockets.asyncio.server
+    serve = module.serve
+    # programs say nothing, and are this machine's own
+    origins: list[Any] = [None, *(f"http://{name}:{port}" for name in (host, "localhost"))]
+    module.serve = partial(serve, origins=origins)
+    try:
+        yield
+    finally:
+        module.serve = serve
 
 
 def _free_port(host: str, port: int) -> int:

@@ -11,13 +11,13 @@ APART = 1.3
 # and above
 VIEW = np.array((0.84, 0.50, 0.2))
 # a row of them from nearly in front: none hides another
-ROW_VIEW = np.array((0.95, 0.2, 0.2))
+ROW_VIEW = np.array((0.97, 0.1, 0.2))
 # a narrow field shows a robot as a photographer would [rad]; so many of its heights away
 # it fits into a window beside the charts
 FIELD = np.radians(35.0)
 AWAY = 2.1
 # as many times as far away as a row is wide it fits, its nearer end too
-ROW_AWAY = 1.45
+ROW_AWAY = 1.6
 
 
 class Surroundings:
