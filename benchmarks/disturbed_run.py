@@ -148,6 +148,9 @@ class DisturbedRun:
         code = self._run.wait(READY)
         return self._outcome(kind, times, code)
 
+    def calm(self, rng: random.Random) -> None:
+        """Do nothing: what is late now is late without any disturbance."""
+
     def kill(self, rng: random.Random) -> None:
         """Kill the controller and start another."""
         self._service.end()
@@ -211,6 +214,7 @@ def _name(words: str) -> str:
 
 
 KINDS: dict[str, Callable[[DisturbedRun, random.Random], None]] = {
+    "calm": DisturbedRun.calm,
     "kill": DisturbedRun.kill,
     "stop": DisturbedRun.stop,
     "cut": DisturbedRun.cut,

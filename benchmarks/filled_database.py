@@ -26,6 +26,7 @@ ROBOT = "hermes_lower"
 AXES = ("com.x", "com.y", "com.z")
 CONTEXT = Context("00ff", "abcd")
 FREQUENCIES = 1_000
+P, D = 50.0, 14.0
 LEARNED = "2026-01-01T00:00:00+00:00"
 
 
@@ -45,12 +46,14 @@ def recording(parameters: dict[str, float]) -> Recording:
     phase = np.linspace(0, 2 * np.pi, 250, endpoint=False)
     scale = parameters["amplitude"] + parameters["frequency"]
     signal = np.tile(scale * np.sin(phase), (len(AXES), 1))
-    gains = {"P": [50.0] * len(AXES), "D": [14.0] * len(AXES)}
+    error = signal / P
+    rate = 2 * np.pi * parameters["frequency"] * np.tile(scale * np.cos(phase), (len(AXES), 1)) / P
+    gains = {"P": [P] * len(AXES), "D": [D] * len(AXES)}
     return Recording(
         key=EntryKey.of(ROBOT, "squat", Squat.version, AXES, parameters, CONTEXT),
         basis=basis,
         applied=np.zeros((len(AXES), basis.L)),
-        laps=[Lap(phase, signal, signal / 50, signal)] * 2,
+        laps=[Lap(phase, P * error + D * rate, error, signal)] * 2,
         errors={axis: AxisError(1e-3, ac_rms=1e-4) for axis in AXES},
         circumstances=Circumstances(gains, {"seed": 0}, "benchmark"),
         declaration=Squat.declaration(),

@@ -2,13 +2,14 @@
 
     python -m benchmarks.reliability [KIND ...] [--times N] [--pace FACTOR] [--json FILE]
 
-Kinds are kill (the controller is killed and started again by the command line), stop
-(frozen and thawed), cut, silence and delay (a TCP link between the two that closes,
-passes nothing, or is slow), and hold, the robot left alone from a moving squat; all of
-them by default. Each of the first five is one run of 'tsd simulate --pace' that is
-disturbed N times at random moments and ended by Ctrl-C, its log and summary are looked
-at afterwards. On a loaded computer choose a slow pace: a period that this computer
-missed is 'late' and counts.
+Kinds are calm (nothing happens: what is late then is late by this computer), kill (the
+controller is killed and started again by the command line), stop (frozen and thawed), cut,
+silence and delay (a TCP link between the two that closes, passes nothing, or is slow), and
+hold, the robot left alone from a moving squat; all of them by default. Each of the first six
+is one run of 'tsd simulate --pace' that is disturbed N times at random moments and ended by
+Ctrl-C, its log and summary are looked at afterwards. The link is a program too and adds a
+quarter of a millisecond to each answer. On a loaded computer choose a slow pace: a period
+that this computer missed is 'late' and counts.
 """
 
 from __future__ import annotations

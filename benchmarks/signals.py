@@ -16,6 +16,7 @@ import argparse
 import json
 import os
 import random
+import shutil
 import signal
 import statistics
 import subprocess
@@ -68,10 +69,12 @@ def stop_services(cycles: int, compiling: float, seed: int) -> Iterator[Stop]:
     """
     rng = random.Random(seed)
     with tempfile.TemporaryDirectory(prefix="tsd-signals-cache-") as folder:
-        compiled = Path(folder) / "compiled"
-        taken = time_to_ready("controller", compiled) if compiling else 0.0
-        # where nothing is compiled the user's cache has it, or will have it now
-        cached = compiled if compiling else cache_folder()
+        # a cache of its own: what others compile meanwhile is not left behind by these services
+        cached = Path(folder) / "compiled"
+        if not compiling:
+            shutil.copytree(cache_folder(), cached, ignore=shutil.ignore_patterns("build-*"))
+        # the first compiles, if the user's cache did not have it: no measure for those after it
+        taken = time_to_ready("controller", cached)
         ready = {role: time_to_ready(role, cached) for role in ("controller", "learner")}
         for cycle in range(cycles):
             number = rng.choice((signal.SIGINT, signal.SIGTERM))

@@ -3,6 +3,7 @@
 Run: python docs/generate_wire.py
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from tsd_casadi.document import json_schema
@@ -13,6 +14,7 @@ from tsd_casadi.motions.squat import Squat
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.tick.format import STATUS_MEANING
 from tsd_casadi.tick.layout import Layout
+from tsd_casadi.tick.row_layout import row_layout
 from tsd_casadi.wire import endpoints, keys, session_settings
 from tsd_casadi.wire.feedforward import FeedforwardMessage
 from tsd_casadi.wire.health import HealthMessage
@@ -21,6 +23,19 @@ from tsd_casadi.wire.listing import LARGEST_PAGE
 from tsd_casadi.wire.message import VERSION
 from tsd_casadi.wire.record import RecordMessage
 from tsd_casadi.wire.suggestion import SuggestionMessage
+from tsd_casadi.wire.telemetry import (
+    IterationRecorded,
+    LapDone,
+    RepetitionBegan,
+    RepetitionEnded,
+    RepetitionMeasured,
+    RunEvent,
+    RunOver,
+    RunStory,
+)
+from tsd_casadi.wire.telemetry_rows import HEADER as ROWS_HEADER
+from tsd_casadi.wire.telemetry_rows import HEADER_FIELDS as ROWS_HEADER_FIELDS
+from tsd_casadi.wire.telemetry_rows import telemetry_layout
 from tsd_casadi.wire.tick_message import HEADER, HEADER_FIELDS
 from tsd_casadi.wire.tick_message import VERSION as TICK_VERSION
 
@@ -30,18 +45,42 @@ REGION = "?motion=squat;amplitude=0.02:0.08;frequency=0.2:0.6"
 TARGET = Path(__file__).parent / "wire.md"
 
 
-def header_table() -> str:
-    """Describe the tick's header."""
+EVENTS: tuple[type[RunEvent], ...] = (
+    RepetitionBegan,
+    LapDone,
+    RepetitionEnded,
+    RepetitionMeasured,
+    IterationRecorded,
+    RunOver,
+)
+
+
+def header_table(fields: Sequence[tuple[int, str, str, str]]) -> str:
+    """Describe a binary header."""
     lines = ["| byte | size | type | name | value |", "| ---: | ---: | --- | --- | --- |"]
     offset = 0
-    for size, kind, name, meaning in HEADER_FIELDS:
+    for size, kind, name, meaning in fields:
         lines.append(f"| {offset} | {size} | {kind} | `{name}` | {meaning} |")
         offset += size
     return "\n".join(lines)
 
 
-def layout_table(layout: Layout) -> str:
-    """Describe the fields of a vector."""
+def event_table() -> str:
+    """Describe the kinds of events."""
+    lines = ["| `event` | when | schema |", "| --- | --- | --- |"]
+    for kind in EVENTS:
+        first = (kind.__doc__ or "").splitlines()[0].rstrip(".")
+        name = kind.model_fields["event"].default
+        lines.append(f"| `{name}` | {first} | `{kind.__name__}` |")
+    return "\n".join(lines)
+
+
+def layout_table(layout: Layout, header: int = HEADER.size) -> str:
+    """Describe the fields of a vector.
+
+    Args:
+        header: Bytes before it.
+    """
     lines = [
         "| byte | float64 | size | name | unit | meaning |",
         "| ---: | ---: | ---: | --- | --- | --- |",
@@ -54,7 +93,7 @@ def layout_table(layout: Layout) -> str:
         elif field.lower == 0:
             meaning += " (not negative)"
         lines.append(
-            f"| {HEADER.size + 8 * offset} | {offset} | {field.size} | `{field.name}` "
+            f"| {header + 8 * offset} | {offset} | {field.size} | `{field.name}` "
             f"| {field.unit} | {meaning} |"
         )
     return "\n".join(lines)
@@ -89,7 +128,9 @@ def _subclasses(parent: type[TsdError]) -> set[type[TsdError]]:
 
 def generate() -> str:
     """Write the whole page."""
-    tick_format = InverseDynamics(load_robot(ROBOT)).format
+    robot = load_robot(ROBOT)
+    tick_format = InverseDynamics(robot).format
+    rows = telemetry_layout(row_layout(tick_format, 3, robot.nq))
     statuses = "\n".join(
         f"| {int(status)} | {status.name.lower()} | {text} |"
         for status, text in STATUS_MEANING.items()
@@ -166,6 +207,51 @@ message is about by name (`field`, `value` and `expected` for instance), if ther
 `internal` is a defect of the service. No reply at all means that nobody serves the key, or that
 the service is overloaded and dropped the query; the liveliness token tells which.
 
+## Watching a run
+
+`tsd simulate` and `tsd learn` publish what they show on an endpoint of their own, on loopback, with
+a port that the system chooses; the run directory's file of role `run` says where (`telemetry`).
+They scout as little as services do.
+
+| key | what | body |
+| --- | --- | --- |
+| `{keys.rows_key("<robot>", 0x1F)}` | published, about 25 a second: rows of ticks \
+| binary, below |
+| `{keys.events_key("<robot>", 0x1F)}` | published: what happens beside them | JSON \
+`tsd.run-event/1` |
+| `{keys.story_key("<robot>", 0x1F)}` | query: what has happened so far | JSON `tsd.run-story/1` |
+| `{keys.run_alive_key("<robot>", 0x1F)}` | liveliness token | none |
+
+`1f` stands for the run's instance, in hexadecimal. Who comes in subscribes to all of
+`tsd/<robot>/run/<instance>/*`, in one subscription so that rows and events stay in order, and then
+asks for the story: with it come the outline by which rows are read, the laps of the repetition, and
+every iteration. Whoever misses an event, by its `number` or the `event` in the header of rows, asks
+again. A run takes in queries and subscribers and nothing else; what a subscriber has no room for is
+dropped at once, and the publishing process is none of those that the ticks go through.
+
+### Events
+
+{event_table()}
+
+JSON schema of the story, with all of them:
+
+```json
+{json_schema(RunStory)}
+```
+
+### Rows
+
+Rows are sampled by the clock, at most 100 a second whatever time passes in the simulation. Behind
+the header of {ROWS_HEADER.size} bytes come as many rows as there are:
+
+{header_table(ROWS_HEADER_FIELDS)}
+
+A row, here of `{ROBOT}` with three axes, is little-endian float64; what nobody knows is NaN.
+`reply` is laid out as that of the tick, below. The last four tell of the ticks since the row
+before, which are not seen.
+
+{layout_table(rows, ROWS_HEADER.size)}
+
 ## What one client cannot do to another
 
 | who | what becomes of it | what others notice |
@@ -216,7 +302,7 @@ point are in world axes and its moments are zero.
 
 ### Header, {HEADER.size} bytes
 
-{header_table()}
+{header_table(HEADER_FIELDS)}
 
 ### Request, {HEADER.size + 8 * tick_format.request.size} bytes
 

@@ -16,12 +16,15 @@ from tsd_cli.commands.database import export_entries, import_entries, verify_dat
 from tsd_cli.commands.experiments import demo, reproduce
 from tsd_cli.commands.explain import explain
 from tsd_cli.commands.learn import learn
+from tsd_cli.commands.log import convert_log, cut_log, plot_log, recover_log, show_log
+from tsd_cli.commands.log_video import film_log
 from tsd_cli.commands.motion import list_motions, show_motion
 from tsd_cli.commands.query import forget_entry, list_entries, query
 from tsd_cli.commands.robot import check_robot, list_robots, new_robot
 from tsd_cli.commands.services import controller, learner
 from tsd_cli.commands.simulate import simulate
 from tsd_cli.commands.status import status
+from tsd_cli.commands.view import view
 from tsd_cli.help_text import unwrap
 from tsd_cli.motion_parameters import named_motion, with_parameters
 
@@ -57,6 +60,7 @@ COMMANDS = (
     status,
     simulate,
     learn,
+    view,
     explain,
     calibrate,
     query,
@@ -74,6 +78,17 @@ GROUPS = {
             "export": export_entries,
             "import": import_entries,
             "verify": verify_database,
+        },
+    ),
+    "log": (
+        "Look at what a run wrote with --log, and carry it to other tools.",
+        {
+            "show": show_log,
+            "plot": plot_log,
+            "video": film_log,
+            "cut": cut_log,
+            "convert": convert_log,
+            "recover": recover_log,
         },
     ),
     "motion": ("Look at the motions there are.", {"list": list_motions, "show": show_motion}),

@@ -9,7 +9,8 @@ from matplotlib import pyplot as plt
 from PIL import Image, ImageSequence
 
 from tsd_casadi import Robot
-from tsd_clients.viewer import rendering
+from tsd_clients.film import gl_library
+from tsd_clients.film.gl_library import HINT
 from tsd_experiments.harness.experiment import Experiment
 from tsd_experiments.harness.job import Result
 from tsd_experiments.paper.figure_6_stills import HEIGHT, JOB, RATE, STILLS, WIDTH, Stills, movie
@@ -69,10 +70,10 @@ def test_stills_and_movie(
 def test_without_a_library_there_is_a_hint(
     robot: Robot, done: dict[str, Result], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(rendering, "LIBRARIES", ())
+    monkeypatch.setattr(gl_library, "LIBRARIES", ())
     monkeypatch.delenv("MUJOCO_GL", raising=False)
     section = Stills(quick=True).report(done)
-    assert rendering.HINT in section.found
+    assert HINT in section.found
     assert section.figures == []
     assert movie(done, robot) is None
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from tsd_casadi.compilation.compile_controller import compile_controller
+from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.motions.squat import Squat
 from tsd_casadi.motions.sway import Sway
 from tsd_casadi.repetition.gains import UNCHANGED, Gains
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.robot.robot import Robot
+from tsd_experiments.beyond.outside_the_lab.budget import print_budget
 from tsd_experiments.beyond.outside_the_lab.experiment import (
     ROWS,
     goals_of,
@@ -21,7 +24,11 @@ from tsd_experiments.beyond.outside_the_lab.experiment import (
     repetitions_more,
 )
 from tsd_experiments.beyond.outside_the_lab.robots import FreshTorqueNoise, make_robot
-from tsd_experiments.beyond.outside_the_lab.rows import learn_through_change
+from tsd_experiments.beyond.outside_the_lab.rows import (
+    learn_through_change,
+    learn_until_return,
+    repeating_error,
+)
 from tsd_experiments.harness.learn_case import own_database
 
 
@@ -55,6 +62,7 @@ def measured(**changes: Any) -> dict[str, list[dict[str, Any]]]:
     small = {"seed": 0, "errors": [1.0], "at_once": True, "repetitions": 5, "alarms": 0}
     rows = {"noise": {**noise, "repetitions": 6, "alarms": 0}, "quiet": quiet, "small": small}
     rows |= {"change": change, "change/plain": change}
+    rows["return"] = {"seed": 0, "before": 0.03, "errors": [10.0, 0.03], "again": True}
     for name, change in changes.items():
         rows[name] = {**rows[name], **change}
     return {name: [row] for name, row in rows.items()}
@@ -74,6 +82,8 @@ def test_goals_are_met_where_all_is_well() -> None:
         ("change", {"errors": [10.0, 4.0, 4.0, 4.0, 4.0]}),
         ("small", {"at_once": False}),
         ("quiet", {"alarms": 1}),
+        ("return", {"again": False}),
+        ("return", {"errors": [10.0, 0.07]}),
     ],
 )
 def test_what_goes_wrong_misses_a_goal(row: str, change: dict[str, Any]) -> None:
@@ -113,6 +123,39 @@ def test_what_only_scatters_is_learned_along_all_axes(
             plant, compile_controller(robot), [motion], database, gains=gains, seed=[1, 2]
         )
     assert second.rank < 0.3 * first.rank
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.2, 2.0])
+def test_what_repeats_is_told_from_what_does_not(noise: float) -> None:
+    rng, phase = np.random.default_rng(0), np.linspace(0, 2 * np.pi, 100, endpoint=False)
+    wave = 0.1 + 0.1 * np.sqrt(2) * np.sin(phase)  # mm
+    laps = [
+        Lap(phase, np.zeros((1, 100)), 1e-3 * (wave + noise * rng.standard_normal(100))[None, :])
+        for _ in range(200)
+    ]
+    found = repeating_error(SimpleNamespace(laps=laps))  # type: ignore[arg-type]
+    assert found == pytest.approx(0.1 * np.sqrt(2), rel=0.02 + 0.1 * noise)
+
+
+def test_the_budget_is_printed_of_what_was_learned(capsys: pytest.CaptureFixture[str]) -> None:
+    repeating = {"after": 0.023, "floor": 0.1, "replay": 0.12}
+    row = {"refused": None, "after": 0.101, "floor": 0.15, "replay": 0.13, "repeating": repeating}
+    print_budget([row, row, {"refused": "did not settle"}])
+    told = capsys.readouterr().out
+    assert "medians of 2 seeds" in told
+    assert "0.101" in told
+    assert "0.023" in told
+    print_budget([{"refused": "did not settle"}])
+    assert not capsys.readouterr().out
+
+
+@pytest.mark.long
+def test_what_was_learned_before_a_load_is_taken_again_when_it_goes() -> None:
+    found = learn_until_return("adaptive", 0, 3, 3.0)
+    assert found["again"]
+    # 10 mm, and then what the best repetition before left
+    assert found["errors"][0] > 20 * found["before"]
+    assert found["errors"][1] < 1.2 * found["before"]
 
 
 @pytest.mark.long

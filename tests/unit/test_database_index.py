@@ -466,3 +466,9 @@ def test_an_import_beside_a_learner_keeps_both(path: Path, tmp_path: Path) -> No
         assert problems == []
         assert learner.state().entries == 80
         assert learner.verify() == []
+
+
+def test_recordings_that_fill_a_database_are_plausible_at_every_frequency(tmp_path: Path) -> None:
+    with Database(tmp_path / "some.sqlite") as database:
+        for number in (1, 500, 999, 100_000):
+            database.record(recording(squat(number)))

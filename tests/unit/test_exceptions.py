@@ -78,6 +78,12 @@ CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
         {"path": HERE},
         [str(HERE), "is locked", "wait"],
     ),
+    "LogNotWritten": (
+        (HERE, "no space left"),
+        {"path": HERE, "reason": "no space left"},
+        [str(HERE), "no space left", "tsd log recover"],
+    ),
+    "LogNotWhole": ((HERE, "no footer"), {"path": HERE}, [str(HERE), "no footer", "log recover"]),
     "EntryNotFound": (("nothing",), {}, ["nothing"]),
     "OutsideTrainedRange": (
         ("amplitude", 0.1, 0.02, 0.08, "m"),
@@ -124,11 +130,16 @@ CASES: dict[str, tuple[tuple[Any, ...], dict[str, Any], list[str]]] = {
         ["learner", "tcp/127.0.0.1:7448", "in use", "--listen"],
     ),
     "TwoServices": (("two",), {}, ["two"]),
+    "NotAvailable": (
+        ("a film", "the extra 'view'", "pip install"),
+        {"what": "a film", "missing": "the extra 'view'", "remedy": "pip install"},
+        ["a film needs the extra 'view'", "pip install"],
+    ),
     "SimulationError": (("fell",), {}, ["fell"]),
 }
 
 
-FAMILIES = ("RobotError", "ControllerError", "LearningError", "ServiceError")
+FAMILIES = ("RobotError", "ControllerError", "LearningError", "LogError", "ServiceError")
 
 
 def every_class() -> dict[str, type[TsdError]]:

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from tsd_casadi.motions.motion import Reference
 from tsd_casadi.repetition.compensator import Moment
 from tsd_casadi.repetition.feedforward_gate import FeedforwardGate
-from tsd_casadi.repetition.phasing import FADE
+from tsd_casadi.repetition.phasing import FADE, SETTLED
 from tsd_casadi.repetition.repetition import HOLD
 
 DT = 2e-3
@@ -74,6 +74,8 @@ class Followed:
         laps: float = 3,
         others: int = 0,
         added: float = 0.0,
+        stiffness: float = P,
+        end: float = -math.inf,
     ) -> None:
         """Run.
 
@@ -82,8 +84,10 @@ class Followed:
             u: Of the phase.
             others: Further axes, with neither an error nor a feedforward.
             added: By somebody who is asked after the gate, and does not need it.
+            stiffness: Of the critically damped loop.
+            end: No error is less: the joints end there.
         """
-        self.gate = gate_of(1 + others)
+        self.gate, damping = gate_of(1 + others, stiffness=[stiffness]), 2 * math.sqrt(stiffness)
         self.applied: list[float] = []
         self.drops: list[float] = []
         self.returns: list[float] = []
@@ -101,8 +105,10 @@ class Followed:
             self.applied.append(float(moment.feedforward[-1]))
             answer(moment, [*rest, e])
             self.gate.after(moment)
-            rate += DT * (d(phase, now) + added - self.applied[-1] - D * rate - P * e)
+            rate += DT * (d(phase, now) + added - self.applied[-1] - damping * rate - stiffness * e)
             e += DT * rate
+            if e < end:
+                e, rate = end, 0.0
             self.errors.append(e)
             if self.gate.dropped_at != was:
                 (self.returns if was is not None else self.drops).append(now)
@@ -368,6 +374,54 @@ def test_it_says_what_it_saw_and_what_it_predicts() -> None:
 def test_far_off_it_says_that_it_guesses(lack: float, is_far: bool) -> None:
     (remark,) = Followed(always(lambda _: lack), lambda _: lack).gate.remarks
     assert ("that is a guess" in remark) == is_far
+
+
+# at P = 5 a robot that needs -0.75 m/s^2 would be 15 cm too high, but its knees are straight at 11
+SOFT = {"stiffness": 5.0, "end": -0.11}
+
+
+@pytest.mark.parametrize("factor", [1.8, 1.9])
+def test_far_off_what_harms_is_found_out_by_a_lap_without_it(factor: float) -> None:
+    """The predicted error without it is larger than that with it, the real one is smaller."""
+    seen = Followed(always(lambda _: -0.75), lambda _: -0.75 * factor, laps=8, **SOFT)
+    (dropped,) = seen.drops
+    assert dropped <= 1.0
+    assert not seen.returns
+    assert seen.gate.veto is not None
+    assert "tried without" in seen.gate.veto
+    assert "that is a guess" in seen.gate.veto
+    assert abs(seen.errors[-1]) == pytest.approx(0.11)
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.0, 1.3, 1.6])
+def test_far_off_what_clearly_helps_is_not_tried(factor: float) -> None:
+    seen = Followed(always(lambda _: -0.75), lambda _: -0.75 * factor, laps=8, **SOFT)
+    assert not seen.drops
+
+
+@pytest.mark.parametrize("factor", [0.3, 1.75])
+def test_what_helps_after_all_comes_back_from_the_trial_and_is_tried_no_more(factor: float) -> None:
+    # nothing ends: the prediction was right
+    seen = Followed(always(lambda _: -0.75), lambda _: -0.75 * factor, laps=20, stiffness=5.0)
+    assert len(seen.drops) == len(seen.returns) == 1
+    # when the loop has settled, a lap
+    settled = SETTLED / math.sqrt(5.0) * FREQUENCY
+    assert seen.returns[0] - seen.drops[0] == pytest.approx(settled + 1.0, abs=0.1)
+    assert any("came back" in remark for remark in seen.gate.remarks)
+
+
+@pytest.mark.parametrize(("lack", "tried"), [(2.4, False), (2.6, True)])
+def test_near_the_reference_the_prediction_counts(lack: float, tried: bool) -> None:
+    seen = Followed(always(lambda _: lack), lambda _: 1.75 * lack)
+    assert bool(seen.drops) == tried
+
+
+@pytest.mark.parametrize(("factor", "tried"), [(1.64, False), (1.70, True)])
+def test_a_guess_speaks_clearly_where_half_as_much_again_would_still_do(
+    factor: float, tried: bool
+) -> None:
+    seen = Followed(always(lambda _: -0.75), lambda _: -0.75 * factor, stiffness=5.0)
+    assert bool(seen.drops) == tried
 
 
 def test_a_gate_starts_anew_with_each_repetition() -> None:

@@ -61,6 +61,18 @@ def test_no_two_keys_meet() -> None:
             assert meets == (one == other)
 
 
+def test_keys_of_a_run_are_its_own() -> None:
+    made = [keys.rows_key, keys.events_key, keys.story_key, keys.run_alive_key]
+    assert [make(ROBOT, 0x1F) for make in made] == [
+        f"tsd/hermes_lower/run/1f/{word}" for word in ("rows", "events", "story", "alive")
+    ]
+    for make in made:
+        key = make(ROBOT, 2**63)
+        assert str(zenoh.KeyExpr(key)) == key
+        assert not zenoh.KeyExpr(key).intersects(zenoh.KeyExpr(make(ROBOT, 1)))
+        assert keys.robot_of(key) == ROBOT
+
+
 @pytest.mark.parametrize("robot", ["", "a/b", "**", "a*", "$*", "a#b", "a?b=1", "@a", "/"])
 def test_what_cannot_be_a_chunk_is_no_robot(robot: str) -> None:
     with pytest.raises(InvalidValue, match="the name of a robot"):

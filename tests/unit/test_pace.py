@@ -270,3 +270,78 @@ def test_slowest_and_fastest_pace(factor: float) -> None:
 def test_no_patience_at_all_is_refused(patience: float) -> None:
     with pytest.raises(InvalidValue, match="patience"):
         Pace(1.0, patience)
+
+
+class Distant(Moody):
+    """Answers after a while, or not within the time that is left."""
+
+    def __init__(
+        self, robot: Robot, tick_format: TickFormat, clock: Clock, seconds: Callable[[int], float]
+    ) -> None:
+        super().__init__(robot, tick_format, lambda asked: None)
+        self.clock, self.seconds = clock, seconds
+
+    def tick_within(self, state: State, command: Command, seconds: float) -> Tick | Missed:
+        answer = super().tick_within(state, command, seconds)
+        takes = self.seconds(self.asked)
+        self.clock.time += min(takes, seconds)
+        return answer if takes <= seconds else Missed(Cause.LATE, "not there")
+
+
+class Still(Flat):
+    """Slows the point down and bears what is constant."""
+
+    def torque(self, state: State) -> Vector:
+        self.tau[:3] = -20.0 * state.v[:3] - np.array([0.1, -0.2, 0.5]) / 0.9
+        return self.tau
+
+
+class SlowMass(plants.Mass):  # type: ignore[name-defined, misc]
+    """A simulation that takes a while for each step."""
+
+    def __init__(self, robot: Robot, clock: Clock, seconds: float) -> None:
+        super().__init__(robot)
+        self.clock, self.seconds = clock, seconds
+
+    def apply(self, tau: Vector) -> None:
+        self.clock.time += self.seconds
+        super().apply(tau)
+
+
+@pytest.mark.parametrize(
+    ("answers", "steps", "most"), [(0.70, 0.32, 0.15), (0.70, 0.29, 0.01), (0.90, 0.30, 0.55)]
+)
+def test_one_late_period_does_not_make_all_others_late(
+    robot: Robot, tick_format: TickFormat, answers: float, steps: float, most: float
+) -> None:
+    clock = Clock()
+    # once something else is in the way; then both together take just more than a period
+    controller = Distant(
+        robot, tick_format, clock, lambda asked: PERIOD * (2.0 if asked == 300 else answers)
+    )
+    # what holds it up while it is not answered
+    pace = Pace(1.0, 10.0, Still(robot.n), clock)
+    run = repeat(SlowMass(robot, clock, steps * PERIOD), controller, SQUAT, pace=pace)
+    assert not run.fell and set(run.missed) == {"late"}
+    assert run.missed["late"] <= most * run.ticks
+
+
+def test_answers_that_became_slower_are_still_asked_for(
+    robot: Robot, tick_format: TickFormat
+) -> None:
+    # quick at first: what is usual follows; then as slow as a period allows
+    clock = Clock()
+    controller = Distant(
+        robot, tick_format, clock, lambda asked: PERIOD * (0.1 if asked < 300 else 0.99)
+    )
+    pace = Pace(1.0, 10.0, Flat(robot.n), clock)
+    run = repeat(SlowMass(robot, clock, 0.0), controller, SQUAT, pace=pace)
+    assert not run.missed
+
+
+def test_where_nobody_is_every_period_asks(robot: Robot, tick_format: TickFormat) -> None:
+    clock = Clock()
+    controller = Moody(robot, tick_format, gap(300, 50, Cause.NOTHING_THERE))
+    pace = Pace(1.0, 10.0, Still(robot.n), clock)
+    run = repeat(SlowMass(robot, clock, 0.9 * PERIOD), controller, SQUAT, pace=pace)
+    assert run.missed == {"nothing there": 50}

@@ -16,8 +16,8 @@ from tsd_casadi.wire.session_settings import (
     session_settings,
 )
 
-Service = Literal["controller", "learner"] | None
-SERVICES: tuple[Service, ...] = (None, "controller", "learner")
+Service = Literal["controller", "learner", "run"] | None
+SERVICES: tuple[Service, ...] = (None, "controller", "learner", "run")
 
 
 @pytest.mark.parametrize("service", SERVICES)
@@ -59,6 +59,15 @@ def test_services_take_in_queries_only_and_a_controller_waits_for_no_client() ->
     assert "qos" not in session_settings(service="learner")
     (rule,) = session_settings(service="controller")["qos"]["network"]
     assert rule["overwrite"] == {"congestion_control": "drop"}
+
+
+def test_a_run_takes_in_subscribers_too_and_waits_for_none() -> None:
+    settings = session_settings(service="run")
+    (rule,) = settings["access_control"]["rules"]
+    assert {*ACCESS["rules"][0]["messages"]} - {*rule["messages"]} == {"declare_subscriber"}
+    assert settings["qos"] == session_settings(service="controller")["qos"]
+    control = settings["transport"]["link"]["tx"]["queue"]["congestion_control"]
+    assert control["drop"] == {"wait_before_drop": 0}
 
 
 def test_settings_are_merged_by_field() -> None:

@@ -10,6 +10,7 @@ what was expected and what to do about it::
     │   ├── UnsupportedVersion
     │   └── LayoutMismatch
     ├── SimulationError         a simulation that cannot be carried out
+    ├── NotAvailable            what this computer does not have: an extra, a screen, a GL library
     ├── RobotError              the robot's files
     │   ├── RobotFileError
     │   ├── UnknownRobot
@@ -20,6 +21,9 @@ what was expected and what to do about it::
     │   ├── CacheNotPrivate
     │   ├── CacheNotWritable
     │   └── NotLoadable
+    ├── LogError                what a run wrote down
+    │   ├── LogNotWritten
+    │   └── LogNotWhole
     ├── LearningError           what was learned
     │   ├── DatabaseError
     │   ├── EntryNotFound
@@ -43,6 +47,7 @@ remote learner alike, with its data as far as that is plain; ``str`` of it is th
 service's message. A code without a class here arrives as ``ServiceFailed``.
 """
 
+from tsd_casadi.exceptions.availability import NotAvailable
 from tsd_casadi.exceptions.base import TsdError, class_of
 from tsd_casadi.exceptions.controller import (
     CacheNotPrivate,
@@ -59,6 +64,7 @@ from tsd_casadi.exceptions.learning import (
     LearningError,
     OutsideTrainedRange,
 )
+from tsd_casadi.exceptions.logs import LogError, LogNotWhole, LogNotWritten
 from tsd_casadi.exceptions.robot import ParityError, RobotError, RobotFileError, UnknownRobot
 from tsd_casadi.exceptions.services import (
     AlreadyRunning,
@@ -96,7 +102,11 @@ __all__ = [
     "InvalidValue",
     "LayoutMismatch",
     "LearningError",
+    "LogError",
+    "LogNotWhole",
+    "LogNotWritten",
     "MalformedMessage",
+    "NotAvailable",
     "NotLoadable",
     "OutsideTrainedRange",
     "ParityError",

@@ -81,7 +81,7 @@ def design_filter(response: LoopResponse, omega: Vector, P: float, D: float) -> 
         The filter.
     """
     lead = response.delay
-    C = P + 1j * omega * D
+    C = P + omega.astype(np.complex128) * 1j * D
     L = 1 - omega**2 / C * np.exp(1j * omega * lead) / response.gain
     nominal = np.abs(1 - L * response.transfer(omega, P, D))
     worst = np.max(

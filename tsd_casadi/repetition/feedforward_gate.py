@@ -16,8 +16,10 @@ the feedback counts them: a term that is dropped comes back when it would help.
 
 That is a model of the loop, linear in the error. It holds where the robot is near
 its reference; at gains so low that it is centimetres off, what it lacks there is
-not what it lacks at the reference. The remarks say both errors, and which of
-them was predicted.
+not what it lacks at the reference, and its joints may end before the predicted
+place. The remarks say both errors, and which of them was predicted. Where such a
+guess does not speak clearly for a term, the robot is tried without it, once: then
+the error without it is measured, and the term comes back as any other would.
 
 The standing before the motion is judged, too, by what is in use of the term while it
 is being phased in: one of the wrong sign is dropped before much of it is in use. In the motion a
@@ -29,13 +31,12 @@ is forgiven after ``PROVEN`` laps with it.
 
 from __future__ import annotations
 
-import numpy as np
-
 from tsd_casadi.learning.axis_error import unit_of_axis
 from tsd_casadi.repetition.compensator import Compensator, Moment, Setting
 from tsd_casadi.repetition.evidence import CLEAR, Evidence, Seen
-from tsd_casadi.repetition.phasing import FADE, PhasedShare
-from tsd_casadi.state import Vector
+from tsd_casadi.repetition.guess import caution, is_doubtful
+from tsd_casadi.repetition.loop_answer import LoopAnswer
+from tsd_casadi.repetition.phasing import FADE, PhasedShare, settling_time
 
 # of standing still: at P = 50, D = 14 the loop has made up 87 % of a step by then
 STANDING = 0.5  # s
@@ -43,9 +44,6 @@ STANDING = 0.5  # s
 HYSTERESIS = 0.025
 # laps in use after which earlier drops no longer count, more than one push and its end take
 PROVEN = 5
-# where the prediction is not much more than a guess: 7 % off at 7 cm, 40 % at 11 cm in a squat
-# with +10 %, P = 10 and P = 5
-FAR = 0.05  # m
 
 
 class FeedforwardGate(Compensator):
@@ -54,7 +52,7 @@ class FeedforwardGate(Compensator):
     Attributes:
         name: Of the feedforward, for people: where it is from.
         dropped_at: When it was dropped last [s]; None while it is in use.
-        drops: How often it was dropped.
+        drops: How often it was dropped, a trial without it included.
     """
 
     def __init__(self, name: str = "the borrowed feedforward") -> None:
@@ -65,6 +63,8 @@ class FeedforwardGate(Compensator):
     def _begin(self) -> None:
         self.dropped_at: float | None = None
         self.drops = 0
+        # once in a repetition, and while that goes on
+        self._was_tried = self._is_tried = False
         self._remarks: list[str] = []
         self._share = PhasedShare(1.0)
 
@@ -93,7 +93,7 @@ class FeedforwardGate(Compensator):
             f"{self.name} was kept: an RMS error of {self._told(with_it)} with it, "
             f"{self._told(without_it)} predicted without"
         )
-        return (*self._remarks, kept + _caution(without_it))
+        return (*self._remarks, kept + caution(without_it))
 
     def start(self, setting: Setting) -> None:
         """Note which axes are learned; a repetition starts with the feedforward in use."""
@@ -106,9 +106,9 @@ class FeedforwardGate(Compensator):
         self._standing = Evidence(round(STANDING / setting.period))
         self._half_evidence, self._lap_evidence = Evidence(lap // 2), Evidence(lap)
         self._moving = False
-        self._since, self._wait = 0.0, 0.0
+        self._since = self._wait = self._back_from = 0.0
         # the answer to u as it left here, since others may add to it, and to all of the term
-        self._applied, self._whole = _Answer(setting), _Answer(setting)
+        self._applied, self._whole = LoopAnswer(setting), LoopAnswer(setting)
 
     def before(self, moment: Moment) -> None:
         """Let through as much of the feedforward as is in use."""
@@ -138,8 +138,9 @@ class FeedforwardGate(Compensator):
     def _weigh(self, moment: Moment, seen: Seen) -> None:
         if moment.lap < 0:
             self._standing.add(seen)
-            if self.dropped_at is None and self._standing.is_complete:
-                self._drop_if(self._standing.harms(CLEAR), self._standing, moment.time)
+            standing = self._standing
+            if self.dropped_at is None and standing.is_complete and standing.harms(CLEAR):
+                self._drop(standing, moment.time)
             return
         if not self._moving:
             self._moving, self._since = True, moment.time
@@ -150,26 +151,35 @@ class FeedforwardGate(Compensator):
             if moment.time - self._since > PROVEN * self._lap_time:
                 self._wait = 0.0
             if half.is_complete and half.harms(CLEAR):
-                self._drop_if(True, half, moment.time)
-            elif lap.is_complete:
-                self._drop_if(lap.harms(), lap, moment.time)
-        elif moment.time - self._since >= self._wait:
+                self._drop(half, moment.time)
+            elif lap.is_complete and lap.harms():
+                self._drop(lap, moment.time)
+            elif lap.is_complete and not self._was_tried and is_doubtful(*lap.errors):
+                self._try_without(moment)
+        elif moment.time >= self._back_from:
             # a push is over by the next half lap; what harms in one half of each lap is not
             is_first = self._wait == 0.0
             helps = is_first and half.is_complete and half.helps(CLEAR)
-            if helps or (lap.is_complete and lap.helps(HYSTERESIS)):
+            # what was only tried without has not proved to harm
+            margin = 0.0 if self._is_tried else HYSTERESIS
+            if helps or (lap.is_complete and lap.helps(margin)):
                 self._bring_back(moment.time)
 
-    def _drop_if(self, harms: bool, evidence: Evidence, time: float) -> None:
-        if not harms:
-            return
+    def _try_without(self, moment: Moment) -> None:
+        self._was_tried = self._is_tried = True
+        self._drop(self._lap_evidence, moment.time, "tried without")
+        # what is seen while the term fades is no more than the prediction again
+        gains = (self._setting.gain(moment.command, gain)[: len(self._u)] for gain in "PD")
+        self._back_from += settling_time(*gains) + self._lap_time
+
+    def _drop(self, evidence: Evidence, time: float, how: str = "dropped") -> None:
         with_it, without_it = evidence.errors
         how_much = "what was in use of it" if evidence is self._standing else "all of it"
         self._remarks.append(
-            f"{self.name} was dropped at {time:.2f} s: an RMS error of {self._told(with_it)} with "
-            f"{how_much}, {self._told(without_it)} without, is predicted{_caution(without_it)}"
+            f"{self.name} was {how} at {time:.2f} s: an RMS error of {self._told(with_it)} with "
+            f"{how_much}, {self._told(without_it)} without, is predicted{caution(without_it)}"
         )
-        self.dropped_at, self._since = time, time
+        self.dropped_at, self._since, self._back_from = time, time, time + self._wait
         self.drops += 1
         self._share.go_to(0.0, time, FADE)
         self._forget()
@@ -178,6 +188,7 @@ class FeedforwardGate(Compensator):
         self._remarks.append(f"{self.name} came back at {time:.2f} s: it would help again")
         self.dropped_at, self._since = None, time
         self._wait = max(2 * self._wait, self._lap_time)
+        self._is_tried = False
         self._share.go_to(1.0, time, self._lap_time)
         self._forget()
 
@@ -188,22 +199,3 @@ class FeedforwardGate(Compensator):
         """Decide anew from what is seen from now on."""
         self._half_evidence.forget()
         self._lap_evidence.forget()
-
-
-class _Answer:
-    """What the loop does to a feedforward: e_u."""
-
-    def __init__(self, setting: Setting) -> None:
-        self._period = setting.period
-        self.x, self._rate = np.zeros((2, setting.learned))
-
-    def follow(self, u: Vector, P: Vector, D: Vector) -> None:
-        """Go on by one period."""
-        self._rate = self._rate + self._period * (u - D * self._rate - P * self.x)
-        self.x = self.x + self._period * self._rate
-
-
-def _caution(without_it: float) -> str:
-    if without_it < FAR:
-        return ""
-    return "; so far off, the robot lacks other torques than at its reference, and that is a guess"

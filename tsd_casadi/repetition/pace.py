@@ -18,6 +18,10 @@ from tsd_casadi.tick.missed import Cause, Missed
 from tsd_casadi.tick.tick import Tick
 
 SLOWEST, FASTEST = 0.01, 10.0
+# of the newest answer in how long answers take: that of a slow moment is forgotten
+# within twenty periods, and one quick answer does not pass for all
+NEWEST = 0.05
+BEHIND = "this computer is behind; try a slower --pace"
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,8 @@ class Periods:
         self._begun = 0.0
         self._count = -1
         self._answered = 0.0
+        self._usual = 0.0  # how long an answer takes [s]
+        self._skipped = False
         self._holding = False
 
     def begin(self) -> None:
@@ -89,16 +95,20 @@ class Periods:
         """
         now = self._clock.now()
         due = self._begun + (self._count + 1) * self._duration
-        if now >= due:
-            answer: Tick | Missed = Missed(
-                Cause.LATE, "this computer is behind; try a slower --pace"
-            )
+        late = now >= due
+        self._skipped = late or (due - now < self._usual and not self._skipped)
+        if self._skipped:
+            answer: Tick | Missed = Missed(Cause.LATE, BEHIND)
         else:
             answer = self._controller.tick_within(state, command, due - now)
             # also where it was there in time and this process was not
-            over = self._clock.now() - due
-            if over > 0 and isinstance(answer, Tick):
-                answer = Missed(Cause.LATE, f"by {1e3 * over:.3g} ms")
+            end = self._clock.now()
+            if end > due and isinstance(answer, Tick):
+                answer = Missed(Cause.LATE, f"by {1e3 * (end - due):.3g} ms")
+            if isinstance(answer, Tick):
+                self._usual += NEWEST * (end - now - self._usual)
+            elif answer.cause is Cause.LATE:  # it may have taken as long as a period
+                self._usual += NEWEST * (self._duration - self._usual)
         if isinstance(answer, Tick):
             self._answered = now
         elif now - self._answered > self._pace.patience:

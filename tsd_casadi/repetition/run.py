@@ -12,6 +12,7 @@ from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.learning.axis_error import AxisError, rank, unit_of_axis
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
+from tsd_casadi.repetition.measure_axis import measure_axis
 from tsd_casadi.state import Vector
 from tsd_casadi.tick.row_state import AT_LIMIT, JOINT_ROW, name_row
 
@@ -132,7 +133,7 @@ class Run:
         """The measures of every learned axis; NaN where nothing was measured."""
         columns = {name: self.measured(name) for name in ("error", "true_error", "feedback")}
         return {
-            axis: _axis_error(*(values[:, place] for values in columns.values()))
+            axis: measure_axis(*(values[:, place] for values in columns.values()))
             for place, axis in enumerate(self.learned)
         }
 
@@ -190,20 +191,3 @@ class Run:
                 name: None if math.isnan(value) else value for name, value in self.tick_us.items()
             },
         }
-
-
-def _axis_error(error: Vector, true_error: Vector, feedback: Vector) -> AxisError:
-    if not error.size:
-        return AxisError(math.nan)
-    known = not np.isnan(true_error).any()
-    return AxisError(
-        rms=_rms(error),
-        peak=float(np.max(np.abs(error))),
-        ac_rms=_rms(error - error.mean()),
-        mean_abs_feedback=float(np.mean(np.abs(feedback))),
-        true_rms=_rms(true_error) if known else None,
-    )
-
-
-def _rms(values: Vector) -> float:
-    return float(np.sqrt(np.mean(values**2)))

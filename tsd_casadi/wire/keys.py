@@ -11,6 +11,11 @@
     tsd/<robot>/<role>/health        uptime, counts, latencies (JSON)
     tsd/<robot>/<role>/alive         liveliness token
 
+    tsd/<robot>/run/<instance>/rows    what is seen of a repetition's ticks (binary)
+    tsd/<robot>/run/<instance>/events  what happens beside them (JSON)
+    tsd/<robot>/run/<instance>/story   what has happened so far, for who comes late (JSON)
+    tsd/<robot>/run/<instance>/alive   liveliness token
+
 One learner serves every robot, so its keys have ``*`` for the robot.
 """
 
@@ -63,6 +68,26 @@ def health_key(robot: str, role: str) -> str:
 def alive_key(robot: str, role: str) -> str:
     """Make the key of a service's liveliness token."""
     return _key(robot, f"{role}/alive")
+
+
+def rows_key(robot: str, instance: int) -> str:
+    """Make the key of what is seen of a run's ticks."""
+    return _key(robot, f"run/{instance:x}/rows")
+
+
+def events_key(robot: str, instance: int) -> str:
+    """Make the key of what happens in a run."""
+    return _key(robot, f"run/{instance:x}/events")
+
+
+def story_key(robot: str, instance: int) -> str:
+    """Make the key that tells what has happened in a run so far."""
+    return _key(robot, f"run/{instance:x}/story")
+
+
+def run_alive_key(robot: str, instance: int) -> str:
+    """Make the key of a run's liveliness token."""
+    return alive_key(robot, f"run/{instance:x}")
 
 
 def robot_of(key: str) -> str:

@@ -1,4 +1,4 @@
-"""What a service says of itself in the run directory."""
+"""What a service or a run says of itself in the run directory."""
 
 from __future__ import annotations
 
@@ -31,6 +31,7 @@ class RunRecord(Document):
         instance: Id of the service, as in its replies.
         started: ISO 8601, UTC.
         telemetry: Where it can be watched, if it can.
+        motion: What is done, in a run.
     """
 
     format: Literal["tsd.run/1"] = "tsd.run/1"
@@ -42,12 +43,20 @@ class RunRecord(Document):
     instance: Annotated[int, Field(ge=0)]
     started: str
     telemetry: str | None = None
+    motion: str | None = None
 
     @classmethod
     def of_this_process(
-        cls, role: str, subject: str, *, robot: str, endpoints: tuple[str, ...], instance: int
+        cls,
+        role: str,
+        subject: str,
+        *,
+        robot: str,
+        endpoints: tuple[str, ...],
+        instance: int,
+        motion: str | None = None,
     ) -> RunRecord:
-        """Describe a service that this process is about to be."""
+        """Describe a service that this process is about to be, or a run with its motion."""
         return cls(
             role=role,
             subject=subject,
@@ -56,6 +65,8 @@ class RunRecord(Document):
             endpoints=endpoints,
             instance=instance,
             started=datetime.now(UTC).isoformat(timespec="seconds"),
+            telemetry=None if motion is None else endpoints[0],
+            motion=motion,
         )
 
 

@@ -32,21 +32,30 @@ REFUSED = [
     "declare_subscriber",
     "liveliness_token",
 ]
-ACCESS: dict[str, Any] = {
-    "enabled": True,
-    "default_permission": "allow",
-    "rules": [
-        {
-            "id": "tsd-foreign",
-            "permission": "deny",
-            "flows": ["ingress"],
-            "messages": REFUSED,
-            "key_exprs": ["**"],
-        }
-    ],
-    "subjects": [{"id": "tsd-anybody"}],
-    "policies": [{"rules": ["tsd-foreign"], "subjects": ["tsd-anybody"]}],
-}
+# A run is watched by subscribers, who may declare themselves and still send nothing.
+REFUSED_BY_A_RUN = [each for each in REFUSED if each != "declare_subscriber"]
+
+
+def _access(refused: Sequence[str]) -> dict[str, Any]:
+    return {
+        "enabled": True,
+        "default_permission": "allow",
+        "rules": [
+            {
+                "id": "tsd-foreign",
+                "permission": "deny",
+                "flows": ["ingress"],
+                "messages": list(refused),
+                "key_exprs": ["**"],
+            }
+        ],
+        "subjects": [{"id": "tsd-anybody"}],
+        "policies": [{"rules": ["tsd-foreign"], "subjects": ["tsd-anybody"]}],
+    }
+
+
+ACCESS = _access(REFUSED)
+RUN_ACCESS = _access(REFUSED_BY_A_RUN)
 # A reply is sent the way its query asks for, and a query asks by default that the
 # sender wait. A controller does not: a reply for which its client has no room is dropped.
 # A learner's may be megabytes, for which a healthy client has no room at once: there the
@@ -84,7 +93,7 @@ def session_settings(
     *,
     listen: Sequence[str] = (),
     connect: Sequence[str] = (),
-    service: Literal["controller", "learner"] | None = None,
+    service: Literal["controller", "learner", "run"] | None = None,
 ) -> dict[str, Any]:
     """Write the settings of a Zenoh session.
 
@@ -92,8 +101,8 @@ def session_settings(
         listen: Endpoints to listen on.
         connect: Endpoints to connect to.
         service: Which one's they are: it takes in queries and nothing else, and does
-            not wait for clients that do not read or do not say who they are. None for
-            a client.
+            not wait for clients that do not read or do not say who they are. A run
+            that is watched takes in subscribers, too. None for a client.
 
     Returns:
         A document as in Zenoh's configuration files.
@@ -126,13 +135,17 @@ def session_settings(
     # a service that is frozen says nothing; closing a session waits for that [ms]
     transport["unicast"] = {"open_timeout": OPEN_TIMEOUT}
     if service is not None:
-        settings["access_control"] = ACCESS
+        settings["access_control"] = RUN_ACCESS if service == "run" else ACCESS
         transport["unicast"]["accept_timeout"] = ACCEPT_TIMEOUT
         transport["unicast"]["accept_pending"] = ACCEPT_PENDING
         transport["link"]["tcp"] = {"so_sndbuf": SEND_BUFFER}
         transport["link"]["tx"]["queue"]["size"] = {"data": QUEUE}
-    if service == "controller":
+    if service in ("controller", "run"):
         settings["qos"] = {"network": [REPLIES_DROPPED]}
+    if service == "run":
+        # what a subscriber has no room for is dropped at once, not after 1 ms [us]
+        control = transport["link"]["tx"]["queue"]["congestion_control"]
+        control["drop"] = {"wait_before_drop": 0}
     return settings
 
 

@@ -17,7 +17,8 @@ from tsd_cli.output import STDOUT, check_outputs, put_out
 from tsd_clients.console.examination_tables import print_examination
 from tsd_clients.console.progress import show_activity, show_progress
 from tsd_clients.console.table import console
-from tsd_clients.viewer.rendering import HINT, render_postures, side_by_side
+from tsd_clients.film.gl_library import HINT
+from tsd_clients.film.rendering import render_postures, side_by_side
 
 CANNOT_WORK = 1
 

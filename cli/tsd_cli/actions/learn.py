@@ -7,15 +7,16 @@ from typing import Any
 
 import typer
 
-from tsd_casadi.exceptions import EntryNotFound, InvalidValue, TsdError
-from tsd_casadi.learning.context import Context
-from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.exceptions import InvalidValue, TsdError
 from tsd_casadi.learning.rules.by_name import find_rule
 from tsd_casadi.motions.motion import Motion
 from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.record import context_of
-from tsd_casadi.robot.robot import Robot, load_robot
+from tsd_casadi.repetition.run import Run
+from tsd_casadi.robot.robot import load_robot
 from tsd_cli.actions.aborted import ABORTED, put_out_on_interrupt
+from tsd_cli.actions.film import Footage, open_viewer
+from tsd_cli.actions.first_feedforward import ask_first
 from tsd_cli.actions.open_learner import open_learner
 from tsd_cli.actions.prepare import (
     asked_motion,
@@ -28,16 +29,19 @@ from tsd_cli.actions.prepare import (
 )
 from tsd_cli.actions.region import default_name, describe_chosen, read_region
 from tsd_cli.actions.story import Story
+from tsd_cli.actions.watchable import watchable
 from tsd_cli.interrupt import interruptible
-from tsd_cli.options.learning import FirstChoice, LearningOptions, PlaceOptions
+from tsd_cli.options.film import FilmOptions
+from tsd_cli.options.learning import LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
 from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
+from tsd_cli.options.telemetry import TelemetryOptions
 from tsd_cli.output import check_outputs, put_out
 from tsd_clients.console.progress import show_progress
-from tsd_clients.remote.remote_learner import RemoteLearner
+from tsd_clients.telemetry.telling_learner import TellingLearner
 
 
 @interruptible("what was recorded before is kept")
@@ -49,6 +53,8 @@ def learn_by_repetition(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    film: FilmOptions,
+    watching: TelemetryOptions,
     output: JsonOptions,
 ) -> None:
     """Learn at one place or at several, and show how it went.
@@ -59,6 +65,7 @@ def learn_by_repetition(
     """
     check_outputs(output)
     robot = load_robot(body.robot)
+    footage = Footage(film, robot)
     wanted = asked_motion(motion, robot)
     axes = chosen_axes(motion, robot, wanted)
     if learning.iterations < 1:
@@ -77,6 +84,17 @@ def learn_by_repetition(
             typer.echo(f"note: {line}", err=True)
     story = Story()
     failure: TsdError | None = None
+    told = {
+        **simulator.settings(),
+        "p_scale": gains.P,
+        "d_scale": gains.D,
+        "period_s": repetition.period,
+        "seed": repetition.seed,
+        "transport": services.controller.value,
+        "pace": time.pace,
+        "rule": rule.name,
+        "iterations": learning.iterations,
+    }
     runs = (learning.iterations + 1.0) * max(places.auto, 1)
 
     def put_out_story() -> None:
@@ -87,20 +105,28 @@ def learn_by_repetition(
 
     with (
         put_out_on_interrupt(put_out_story),
+        watchable(watching, robot, told) as telemetry,
         open_learner(services) as learner,
         open_controller(services, robot, time.patience) as controller,
         show_progress(f"learning {wanted.name}", runs) as progress,
+        open_viewer(film, robot) as viewer,
     ):
 
         def progress_of(_: Motion, __: int) -> Any:
             before = len(story.summaries)
             return lambda done, total: progress(before + done / total, runs)
 
+        def keep_run(run: Run, notes: list[str]) -> None:
+            story.keep_run(run, notes)
+            footage.keep_last_lap(run)
+            if telemetry is not None:
+                telemetry.measured(run, notes)
+
         learn_at = partial(
             learn,
             simulator,
             controller,
-            learner=learner,
+            learner=learner if telemetry is None else TellingLearner(learner, telemetry),
             axes=axes,
             iterations=learning.iterations,
             patience=rule.patience if learning.stop_after is None else learning.stop_after,
@@ -109,15 +135,16 @@ def learn_by_repetition(
             laps=repetition.laps,
             gains=gains,
             compensators=compensators,
+            observers=[each for each in (viewer, telemetry) if each is not None],
             seed=repetition.seed,
             transport=services.controller.value,
             pace=pace,
             progress=progress_of,
-            on_run=story.keep_run,
+            on_run=keep_run,
             on_learned=story.keep_contractions,
             on_abort=story.keep_aborted,
         )
-        first = partial(_ask_first, learning.first, learner, robot, axes, context)
+        first = partial(ask_first, learning.first, learner, robot, axes, context)
         if not places.auto:
             try:
                 learn_at([wanted], first=first(wanted))
@@ -148,35 +175,9 @@ def learn_by_repetition(
                 failure = error  # shown after what was learned before it
             story.keep_place(place, before)
     put_out_story()
+    footage.make()
     if failure is not None and story.was_aborted:
         typer.echo(f"error: {failure}", err=True)
         raise typer.Exit(ABORTED)
     if failure is not None:
         raise failure
-
-
-def _ask_first(
-    choice: FirstChoice,
-    learner: RemoteLearner,
-    robot: Robot,
-    axes: tuple[str, ...],
-    context: Context,
-    motion: Motion,
-) -> Feedforward | None:
-    """Choose what a motion of which nothing is known starts with."""
-    if choice is FirstChoice.NONE:
-        return None
-    try:
-        return learner.query(
-            motion.name,
-            robot=robot.name,
-            kind=choice.value,
-            extrapolate=True,
-            axes=axes,
-            context=context,
-            version=motion.version,
-            **motion.parameters,
-        )
-    except EntryNotFound as error:
-        typer.echo(f"note: nothing to generalise from yet ({error})", err=True)
-        return None

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import typer
 
 from tsd_casadi.learning.feedforward import Feedforward
@@ -15,6 +13,7 @@ from tsd_casadi.repetition.what_to_try import what_to_try
 from tsd_casadi.repetition.why_infeasible import why_infeasible
 from tsd_casadi.robot.robot import Robot, load_robot
 from tsd_cli.actions.aborted import keep_aborted
+from tsd_cli.actions.film import Footage, open_viewer
 from tsd_cli.actions.label import describe_motion, label_of
 from tsd_cli.actions.open_learner import open_learner
 from tsd_cli.actions.prepare import (
@@ -26,16 +25,20 @@ from tsd_cli.actions.prepare import (
     make_simulator,
     open_controller,
 )
+from tsd_cli.actions.watchable import watchable
 from tsd_cli.interrupt import interruptible
+from tsd_cli.options.film import FilmOptions
 from tsd_cli.options.motion import FeedforwardChoice, MotionOptions, SingleRepetitionOptions
 from tsd_cli.options.output import LogOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
+from tsd_cli.options.telemetry import TelemetryOptions
 from tsd_cli.output import STDOUT, check_outputs, put_out
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.run_tables import print_runs
-from tsd_clients.logs.log_file import check_log_path, save_log
+from tsd_clients.logs.log_file import check_log_path
+from tsd_clients.logs.run_log import RunLog, run_log
 
 FELL = 3
 
@@ -47,6 +50,8 @@ def simulate_once(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    film: FilmOptions,
+    watching: TelemetryOptions,
     output: LogOptions,
 ) -> None:
     """Simulate a repetition and show how it went.
@@ -59,6 +64,7 @@ def simulate_once(
     if output.log is not None:
         check_log_path(output.log)
     robot = load_robot(body.robot)
+    footage = Footage(film, robot)
     wanted = asked_motion(motion, robot)
     axes = chosen_axes(motion, robot, wanted)
     gains, pace = chosen_gains(repetition), chosen_pace(time)
@@ -66,13 +72,33 @@ def simulate_once(
     simulator = make_simulator(body, robot, repetition.period)
     correction = "".join(item.correction for item in compensators)
     learned = _ask(repetition.feedforward, robot, wanted, axes, correction, services)
+    told = {
+        **simulator.settings(),
+        "p_scale": gains.P,
+        "d_scale": gains.D,
+        "period_s": repetition.period,
+        "seed": repetition.seed,
+        "transport": services.controller.value,
+        "pace": time.pace,
+        "feedforward": repetition.feedforward.value,
+    }
     files = [str(file) for file in (output.log, output.json_file) if file not in (None, STDOUT)]
+    log: RunLog | None = None
+
+    def put_out_run(run: Run) -> None:
+        _put_out(run, log, output)
+
     with (
-        keep_aborted(partial(_put_out, output=output), files) as keep,
+        keep_aborted(put_out_run, files) as keep,
+        watchable(watching, robot, told) as telemetry,
         open_controller(services, robot, time.patience) as controller,
         show_progress(describe_motion(wanted), 1.0) as progress,
+        open_viewer(film, robot) as viewer,
     ):
         gates = gates_for(learned, robot, controller, wanted, gains, correction)
+        # the gate before what adds to the feedforward: it is about the borrowed one
+        compensators = [*gates, *compensators]
+        log = None if output.log is None else run_log(output.log, compensators, told)
         run = simulator.run(
             controller,
             wanted,
@@ -80,14 +106,16 @@ def simulate_once(
             laps=repetition.laps,
             feedforward=learned,
             gains=gains,
-            # the gate before what adds to the feedforward: it is about the borrowed one
-            compensators=[*gates, *compensators],
+            compensators=compensators,
+            observers=[each for each in (viewer, telemetry, log) if each is not None],
             seed=repetition.seed,
             transport=services.controller.value,
             progress=progress,
             pace=pace,
             on_abort=keep,
         )
+        if telemetry is not None:
+            telemetry.measured(run, what_to_try(run))
     for note in (*run.vetoes, *run.remarks, *what_to_try(run)):
         typer.echo(f"note: {note}", err=True)
     if why := why_infeasible(run):
@@ -97,14 +125,14 @@ def simulate_once(
         typer.echo(
             f"note: nothing was learned along {', '.join(missing)} yet: zero there", err=True
         )
-    _put_out(run, output)
+    put_out_run(run)
+    footage.keep(run)
+    footage.make()
     if run.fell:
         raise typer.Exit(FELL)
 
 
-def _put_out(run: Run, output: LogOptions) -> None:
-    if output.log is not None:
-        save_log(run, output.log)
+def _put_out(run: Run, log: RunLog | None, output: LogOptions) -> None:
     summary = {"label": label_of(run), **run.summary()}
 
     def show() -> None:
@@ -112,6 +140,8 @@ def _put_out(run: Run, output: LogOptions) -> None:
             print_runs("simulation", [summary])
 
     put_out(summary, output, show)
+    if log is not None:
+        log.conclude(run)
 
 
 def _ask(

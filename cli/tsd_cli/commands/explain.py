@@ -14,7 +14,7 @@ from tsd_cli.options.output import JsonOptions
 @with_groups
 def explain(
     log: Annotated[
-        Path, typer.Argument(metavar="LOG", help="What 'tsd simulate --log' wrote, .npz or .csv.")
+        Path, typer.Argument(metavar="LOG", help="What --log wrote: .npz, .csv or .mcap.")
     ],
     output: JsonOptions,
     tick: Annotated[

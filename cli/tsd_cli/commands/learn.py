@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from tsd_cli.option_groups import with_groups
+from tsd_cli.options.film import FilmOptions
 from tsd_cli.options.learning import LearningOptions, PlaceOptions
 from tsd_cli.options.motion import MotionOptions, RepetitionOptions
 from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
+from tsd_cli.options.telemetry import TelemetryOptions
 
 
 @with_groups
@@ -20,6 +22,8 @@ def learn(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    film: FilmOptions,
+    watching: TelemetryOptions,
     output: JsonOptions,
 ) -> None:
     """Learn a motion's feedforward by repeating it; continues an existing entry.
@@ -28,6 +32,10 @@ def learn(
 
       tsd learn squat --amplitude 0.04 --iterations 2 --model-error 0.1
 
+    A film of the last lap of each run, in which the error shrinks:
+
+      tsd learn squat --model-error 0.1 --video learning.gif
+
     With --auto N the learner says where, N times: where its feedforward is most
     uncertain.
 
@@ -35,4 +43,15 @@ def learn(
     """
     from tsd_cli.actions.learn import learn_by_repetition
 
-    learn_by_repetition(motion, learning, places, repetition, time, body, services, output)
+    learn_by_repetition(
+        motion,
+        learning,
+        places,
+        repetition,
+        time,
+        body,
+        services,
+        film,
+        watching,
+        output,
+    )

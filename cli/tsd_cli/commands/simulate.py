@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from tsd_cli.option_groups import with_groups
+from tsd_cli.options.film import FilmOptions
 from tsd_cli.options.motion import MotionOptions, SingleRepetitionOptions
 from tsd_cli.options.output import LogOptions
 from tsd_cli.options.pace import PaceOptions
 from tsd_cli.options.robot import SimulatedRobotOptions
 from tsd_cli.options.services import ServiceOptions
+from tsd_cli.options.telemetry import TelemetryOptions
 
 
 @with_groups
@@ -17,6 +19,8 @@ def simulate(
     time: PaceOptions,
     body: SimulatedRobotOptions,
     services: ServiceOptions,
+    film: FilmOptions,
+    watching: TelemetryOptions,
     output: LogOptions,
 ) -> None:
     """Simulate one repetition, asking the controller at every tick.
@@ -34,6 +38,11 @@ def simulate(
 
       tsd simulate squat --pace 1 --patience inf
 
+    A film of it, and on a desktop a window while it moves; docs/films.md:
+
+      tsd simulate squat --controller local --video squat.mp4
+      tsd simulate squat --viewer --pace 1
+
     Another motion, with its own parameters, and one of your own:
 
       tsd simulate twist --amplitude 0.15 --frequency 0.5
@@ -41,4 +50,4 @@ def simulate(
     """
     from tsd_cli.actions.simulate import simulate_once
 
-    simulate_once(motion, repetition, time, body, services, output)
+    simulate_once(motion, repetition, time, body, services, film, watching, output)

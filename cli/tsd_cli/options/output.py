@@ -32,6 +32,6 @@ class LogOptions(JsonOptions):
         typer.Option(
             "--log",
             metavar="FILE",
-            help="Write every tick to this file, .csv or .npz; docs/logs.md names the fields.",
+            help="Write every tick to this file, .csv, .npz or (for ROS) .mcap: docs/logs.md.",
         ),
     ] = None

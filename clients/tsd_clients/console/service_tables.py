@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from rich.markup import escape
 
 from tsd_casadi.wire.health import AnswersMessage, HealthMessage
+from tsd_casadi.wire.run_directory import is_stopped
+from tsd_casadi.wire.run_record import RunRecord
 from tsd_clients.console.table import Column, console, print_table
 from tsd_clients.remote.service_health import ServiceState
 
@@ -47,6 +49,26 @@ def print_services(services: Sequence[ServiceState]) -> None:
                 ),
                 highlight=False,
             )
+
+
+def print_runs_here(runs: Sequence[RunRecord]) -> None:
+    """Print runs that can be watched, one per row; nothing without any."""
+    if not runs:
+        return
+    columns = [
+        Column("run", [escape(run.motion or "") for run in runs], is_text=True),
+        Column("robot", [escape(run.robot) for run in runs], is_text=True),
+        Column("endpoint", [escape(run.telemetry or "") for run in runs], is_text=True),
+        Column("since", [run.started.replace("+00:00", "Z") for run in runs], rank=3, is_text=True),
+        Column("process", [str(run.pid) for run in runs], rank=4),
+        Column(
+            "state",
+            ["frozen" if is_stopped(run.pid) else "under way" for run in runs],
+            rank=1,
+            is_text=True,
+        ),
+    ]
+    print_table("", columns)
 
 
 def _print_answers(answers: Sequence[tuple[HealthMessage, str, AnswersMessage]]) -> None:

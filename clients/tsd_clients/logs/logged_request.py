@@ -12,7 +12,7 @@ from tsd_casadi.robot.robot_file_sections import FRAME_AXES
 from tsd_casadi.state import State, Vector
 from tsd_casadi.tick.command import Command
 from tsd_casadi.tick.format import Status
-from tsd_clients.logs.read_log import Log
+from tsd_clients.logs.log import Log
 
 WHOLE = "state and command as the controller got them"
 ASSUMED = (

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import csv
+import json
 import zipfile
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,27 +12,10 @@ import numpy as np
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.repetition.log_fields import LOG_FIELDS
 from tsd_casadi.state import Vector
+from tsd_casadi.wire.run_outline import RunOutline
+from tsd_clients.logs.log import Log
 from tsd_clients.logs.log_file import check_log_path
-
-
-@dataclass(frozen=True)
-class Log:
-    """What ``save_log`` wrote.
-
-    Attributes:
-        fields: One array per quantity, first axis the tick; see ``LOG_FIELDS``.
-        axes: The axes of the repetition.
-        robot: Name of the robot; empty if the file does not tell, as a .csv.
-        model: Fingerprint of its files; empty if the file does not tell.
-        infeasible_request: State and command of the first tick without a solution;
-            None if there was none or the file does not tell.
-    """
-
-    fields: dict[str, Vector]
-    axes: tuple[str, ...]
-    robot: str = ""
-    model: str = ""
-    infeasible_request: Vector | None = None
+from tsd_clients.logs.ros_messages import MORE_FIELDS
 
 
 def read_log(path: Path) -> Log:
@@ -40,11 +23,13 @@ def read_log(path: Path) -> Log:
 
     Raises:
         InvalidValue: If it is not one, or has not all fields.
+        LogNotWhole: If it ends in the middle.
+        NotAvailable: If the library of its format is not installed.
         OSError: If it cannot be read.
     """
     check_log_path(path)
     try:
-        log = _read_csv(path) if path.suffix.lower() == ".csv" else _read_npz(path)
+        log = _READERS[path.suffix.lower()](path)
     except (ValueError, KeyError, IndexError, zipfile.BadZipFile) as error:
         raise InvalidValue(
             "log file", f"'{path}' ({error})", "one that 'tsd simulate --log' wrote"
@@ -60,6 +45,7 @@ def read_log(path: Path) -> Log:
 def _read_npz(path: Path) -> Log:
     with np.load(path, allow_pickle=False) as saved:
         names = set(saved)
+        outline = str(saved["outline"]) if "outline" in names else None
         return Log(
             fields={name: saved[name] for name in LOG_FIELDS if name in names},
             axes=tuple(saved["axes"].tolist()),
@@ -68,6 +54,9 @@ def _read_npz(path: Path) -> Log:
             infeasible_request=(
                 saved["infeasible_request"] if "infeasible_request" in names else None
             ),
+            outline=None if outline is None else RunOutline.decode(outline.encode()),
+            summary=json.loads(str(saved["summary"])) if "summary" in names else {},
+            more={name: saved[name] for name in MORE_FIELDS if name in names},
         )
 
 
@@ -88,3 +77,12 @@ def _read_csv(path: Path) -> Log:
             values = np.array(columns[name])
             fields[name] = (values[0] if field.shape == "()" else values.T).astype(field.type)
     return Log(fields, tuple(axes))
+
+
+def _read_mcap(path: Path) -> Log:
+    from tsd_clients.logs.read_mcap import read_mcap
+
+    return read_mcap(path)
+
+
+_READERS = {".csv": _read_csv, ".npz": _read_npz, ".mcap": _read_mcap}

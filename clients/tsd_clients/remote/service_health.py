@@ -17,6 +17,7 @@ from tsd_clients.remote.silence import explain_silence
 # for a link, and for the answer; a service that is well takes some milliseconds [s]
 PATIENCE = 1.0
 ROLES = ("controller", "learner")
+NO_ANSWER = "starting, or frozen"
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ def services_at(endpoint: str, zenoh_file: ZenohFile | None = None) -> list[Serv
         try:
             session.wait_for("*", PATIENCE)
             return [
-                ServiceState([endpoint], health=_health(session, robot, role))
+                ServiceState([endpoint], health=ask_health(session, robot, role))
                 for robot, role in sorted(session.alive())
             ]
         finally:
@@ -64,27 +65,35 @@ def services_at(endpoint: str, zenoh_file: ZenohFile | None = None) -> list[Serv
 
 
 def _state_of(record: RunRecord) -> ServiceState:
-    if is_stopped(record.pid):
-        trouble = (
-            f"frozen: process {record.pid} is stopped, 'kill -CONT {record.pid}' lets it go on"
-        )
-        return ServiceState(record.endpoints, record, trouble=trouble)
-    if not any(endpoint.startswith(("tcp/", "unixsock")) for endpoint in record.endpoints):
-        # only the user has the certificate for it
-        trouble = "not asked: name it with --connect and its --zenoh-config"
+    if trouble := why_not_asked(record):
         return ServiceState(record.endpoints, record, trouble=trouble)
     try:
         session = Session(record.role, record.endpoints[:1])
         try:
             session.wait_for(record.robot, PATIENCE)
-            health = _health(session, record.robot, record.role)
+            health = ask_health(session, record.robot, record.role)
         finally:
             session.close()
     except TsdError:
-        return ServiceState(record.endpoints, record, trouble="starting, or frozen")
+        return ServiceState(record.endpoints, record, trouble=NO_ANSWER)
     return ServiceState(record.endpoints, record, health)
 
 
-def _health(session: Session, robot: str, role: str) -> HealthMessage:
+def why_not_asked(record: RunRecord) -> str:
+    """Say why a service that runs here cannot be asked how it is; empty if it can be."""
+    if is_stopped(record.pid):
+        return f"frozen: process {record.pid} is stopped, 'kill -CONT {record.pid}' lets it go on"
+    if not any(endpoint.startswith(("tcp/", "unixsock")) for endpoint in record.endpoints):
+        # only the user has the certificate for it
+        return "not asked: name it with --connect and its --zenoh-config"
+    return ""
+
+
+def ask_health(session: Session, robot: str, role: str) -> HealthMessage:
+    """Ask a service how it is, over a session with it.
+
+    Raises:
+        TsdError: If it does not answer, or with something else.
+    """
     (body,) = session.query(health_key(robot, role), timeout=PATIENCE)[:1]
     return HealthMessage.decode(body)

@@ -1,1 +1,1 @@
-"""Pictures of the simulated robot, rendered without a screen."""
+"""The live page: robots, charts, services and replays in a browser."""

@@ -19,8 +19,8 @@ from tsd_casadi.version import __version__
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.run_tables import print_goals, print_runs
 from tsd_clients.console.table import console
+from tsd_clients.film.rendering import render_extremes
 from tsd_clients.logs.log_file import save_log as write_log
-from tsd_clients.viewer.rendering import render_extremes
 from tsd_experiments.demo.goals import goals_of
 from tsd_experiments.demo.plan import MODEL_ERROR, Plan, file_name, label_of
 from tsd_experiments.demo.runs import DemoRuns
@@ -127,4 +127,10 @@ def _print(summary: dict[str, Any], plan: Plan, out: Path, pictures: str) -> Non
         f"{ticks} ticks, {summary['ticks_served']} counted by the controller; "
         f"{summary['seconds']:.0f} s. {pictures}\n"
         f"summary, logs and figures in {out}"
+    )
+    log = out / "logs" / f"{file_name(label_of(plan.amplitude, 'learned, iteration 1'))}.npz"
+    console.print(
+        f"Look at it: 'tsd log video {log} squat.mp4' makes a film of a run, "
+        f"'tsd view --log {log}' shows it in a browser, 'tsd view' what runs now; --video of "
+        "simulate and learn makes a film at once."
     )

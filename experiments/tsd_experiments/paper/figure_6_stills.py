@@ -10,7 +10,8 @@ from matplotlib import pyplot as plt
 
 from tsd_casadi.controller.controller import WholeBodyController
 from tsd_casadi.robot.robot import Robot, load_robot
-from tsd_clients.viewer.rendering import HINT, Pictures, animate, render_postures
+from tsd_clients.film.gl_library import HINT
+from tsd_clients.film.rendering import Pictures, animate, render_postures
 from tsd_experiments.harness.case import Case
 from tsd_experiments.harness.experiment import Done, Experiment
 from tsd_experiments.harness.job import Job

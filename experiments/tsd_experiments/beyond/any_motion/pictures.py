@@ -11,7 +11,7 @@ from matplotlib import pyplot as plt
 
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.state import Vector
-from tsd_clients.viewer.rendering import render_postures, side_by_side
+from tsd_clients.film.rendering import render_postures, side_by_side
 from tsd_experiments.beyond.any_motion.measures import measure_of
 from tsd_experiments.harness.job import Result
 from tsd_experiments.report.curve import STYLES

@@ -14,6 +14,7 @@ from pathlib import Path
 from tsd_casadi.learning.rules.by_name import RULES, find_rule
 from tsd_clients.console.progress import show_progress
 from tsd_clients.console.run_tables import print_goals
+from tsd_experiments.beyond.outside_the_lab.budget import print_budget
 from tsd_experiments.beyond.outside_the_lab.experiment import ROWS, Results, goals_of, jobs_of
 from tsd_experiments.harness.run_jobs import cores
 
@@ -43,6 +44,7 @@ def main() -> None:
             report(sum(map(len, results.values())), len(jobs))
             text = json.dumps({"rule": rule, "rows": results}, indent=2)
             (arguments.out / f"{rule}.json").write_text(text)
+    print_budget(results.get("noise", []))
     print_goals([goal.plain() for goal in goals_of(results)])
 
 

@@ -17,10 +17,11 @@ from tsd_experiments.beyond.outside_the_lab.rows import (
     learn_quietly,
     learn_through_change,
     learn_under_noise,
+    learn_until_return,
 )
 from tsd_experiments.harness.section import Goal
 
-ROWS = ("noise", "quiet", "change", "small")
+ROWS = ("noise", "quiet", "change", "small", "return")
 # by seed in turn: model error of the robot afterwards, and load on it [kg]
 CHANGES = ((0.03, 0.0), (MODEL_ERROR, 3.0), (MODEL_ERROR, -3.0))
 SMALLEST = 0.3  # kg
@@ -74,6 +75,14 @@ def jobs_of(rows: Sequence[str], rule: RuleName, seeds: int, iterations: int) ->
                     (rule, seed, ITERATIONS, MODEL_ERROR, (-1) ** seed * SMALLEST, NOISE),
                 )
             ],
+            "return": [
+                LabJob(
+                    "return",
+                    seed,
+                    learn_until_return,
+                    (rule, seed, ITERATIONS + 1, (-1) ** seed * CHANGES[1][1]),
+                )
+            ],
         }
         jobs += [job for row in rows for job in known[row]]
     return jobs
@@ -86,6 +95,7 @@ def goals_of(results: Results) -> list[Goal]:
         *_quiet_goals(results.get("quiet", [])),
         *_change_goals(results.get("change", []), results.get("change/plain", [])),
         *_small_goals(results),
+        *_return_goals(results.get("return", [])),
     ]
 
 
@@ -140,6 +150,15 @@ def _small_goals(results: Results) -> list[Goal]:
             "< 1",
             100 * alarms / repetitions if repetitions else None,
         ),
+    ]
+
+
+def _return_goals(rows: list[dict[str, Any]]) -> list[Goal]:
+    missed = [float(not row["again"]) for row in rows]
+    first = [row["errors"][1] for row in rows]
+    return [
+        Goal("a load goes again: what was learned before not taken", "<= 0", _sum(missed)),
+        Goal("a load goes again: RMS of the next repetition [mm], worst", "<= 0.06", _worst(first)),
     ]
 
 

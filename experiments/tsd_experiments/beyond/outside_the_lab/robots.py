@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -55,20 +56,24 @@ def make_robot(
 class ChangingRobot(Plant):
     """One robot up to some repetition, another one from then on, and nobody says so."""
 
-    def __init__(self, before: MujocoSimulator, after: MujocoSimulator, at: int) -> None:
+    def __init__(
+        self, before: MujocoSimulator, after: MujocoSimulator, at: int, back: float = math.inf
+    ) -> None:
         """Begin as the one before.
 
         Args:
             at: Number of the first repetition of the other one.
+            back: Number of the first repetition of the one before again; never by default.
         """
-        self._before, self._after, self._at = before, after, at
+        self._before, self._after, self._others = before, after, (at, back)
         self._now, self._started = before, 0
         self.robot, self.period = before.robot, before.period
         self.velocity_time = before.velocity_time
 
     def start(self, posture: State, seed: int = 0) -> None:
         """Stand near a posture, changed if it is time."""
-        self._now = self._before if self._started < self._at else self._after
+        first, back = self._others
+        self._now = self._after if first <= self._started < back else self._before
         self._started += 1
         self._now.start(posture, seed)
 

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from tsd_casadi.compilation.compile_controller import compile_controller
 from tsd_casadi.database.database import Database
+from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.scatter import power_of, scatter_of
 from tsd_casadi.exceptions import SimulationError
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.learning.rules.rule import RuleName
@@ -16,6 +20,7 @@ from tsd_casadi.repetition.repeat import repeat
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import load_robot
 from tsd_experiments.beyond.outside_the_lab.robots import (
+    MODEL_ERROR,
     ChangingRobot,
     FreshTorqueNoise,
     make_robot,
@@ -27,6 +32,7 @@ MOTION = Squat(0.03, 0.5)
 NOISE = 1.0  # N m
 ITERATIONS = 5
 AFTER = 4  # repetitions after a change
+WITH_LOAD = 2  # repetitions
 # a repetition of which nothing is known but its number
 FIRST_SEED = 1000
 
@@ -38,7 +44,7 @@ def learn_under_noise(rule: RuleName, seed: int) -> dict[str, Any]:
         RMS errors [mm]: after ``ITERATIONS``, 'floor' of a feedforward learned without
         noise in the very same noise, 'replay' of the learned term without noise; and
         'refused', how many repetitions there were and how often the robot was taken
-        for another one.
+        for another one; 'repeating', how much of the three errors is the same in each lap.
     """
     noise = FreshTorqueNoise(NOISE, seed)
     with own_database() as database:
@@ -58,6 +64,11 @@ def learn_under_noise(rule: RuleName, seed: int) -> dict[str, Any]:
         "after": _error(runs[-1]),
         "floor": _error(floor),
         "replay": _error(replay),
+        "repeating": {
+            "after": repeating_error(runs[-1]),
+            "floor": repeating_error(floor),
+            "replay": repeating_error(replay),
+        },
         "laps": [run.laps_run for run in runs],
         "errors": [_error(run) for run in runs],
         "repetitions": len(runs),
@@ -108,6 +119,42 @@ def learn_through_change(
         "repetitions": at,
         "alarms": sum(_tells_change(told) for told in notes[:at]),
     }
+
+
+def learn_until_return(rule: RuleName, seed: int, at: int, load: float) -> dict[str, Any]:
+    """Learn on a robot that is loaded from some repetition on, and unloaded two later.
+
+    Args:
+        at: Number of the first repetition with the load.
+        load: On the robot then [kg].
+
+    Returns:
+        'before', the least RMS error until then [mm], 'errors' from the day that the load
+        is gone again, and whether what was learned before was taken 'again' at once.
+    """
+    back = at + WITH_LOAD
+    plant = ChangingRobot(make_robot(_robot()), make_robot(_robot(), MODEL_ERROR, load), at, back)
+    notes: list[list[str]] = []
+    with own_database() as database:
+        runs = _learn(plant, database, rule, seed, back + 1, notes)
+    errors = [_error(run) for run in runs]
+    return {
+        "before": min(errors[:at]),
+        "errors": errors[back:],
+        "again": any("is taken again" in note for note in notes[back]),
+    }
+
+
+def repeating_error(run: Run) -> float:
+    """Compute how much of a run's RMS error along its first axis all laps have in common [mm].
+
+    The mean of M laps holds an M-th of the power of what does not repeat: that is taken off.
+    """
+    basis = PeriodicBasis()
+    fitted = [basis.fit(lap.phase, lap.error[:1]) for lap in run.laps if lap.error is not None]
+    power = power_of(np.mean(fitted, axis=0), basis)
+    repeating = float(power[0] - scatter_of(fitted, basis).of_mean[0] ** 2)
+    return float(1e3 * np.sqrt(max(repeating, 0.0)))
 
 
 def _learn(

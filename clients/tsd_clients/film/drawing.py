@@ -12,9 +12,10 @@ import numpy as np
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.robot.robot import load_robot
 from tsd_casadi.state import State
+from tsd_clients.film.camera import camera_at_home
+from tsd_clients.film.gl_library import REFUSED
+from tsd_clients.film.picture_scene import load_picture_scene
 from tsd_clients.simulator.state_map import StateMap
-from tsd_clients.viewer.picture_scene import load_picture_scene
-from tsd_clients.viewer.rendering import REFUSED
 
 # GL without a graphics card draws shadows of 4096 x 4096 for seconds [pixels]
 SHADOW = 1024
@@ -43,32 +44,13 @@ def draw_postures(
     state_map = StateMap(robot, model)
     frames = []
     with mujoco.Renderer(model, height, width) as renderer:
-        camera = mujoco.MjvCamera()
-        mujoco.mjv_defaultFreeCamera(model, camera)
-        if azimuth is not None:
-            camera.azimuth = azimuth
-        state_map.write(data, robot.home)
-        mujoco.mj_kinematics(model, data)
-        com, top = robot.home_com, _top(model, data)
-        camera.distance = max(3.0 * com[2], 1.6 * top)
-        # where the robot stands at home; a camera that followed it would hide its motion
-        camera.lookat[:] = (com[0], com[1], max(0.75 * com[2], 0.5 * top))
+        camera = camera_at_home(robot, model, data, state_map, azimuth)
         for q in np.load(postures):
             state_map.write(data, State(q, np.zeros(robot.nv)))
             mujoco.mj_forward(model, data)
             renderer.update_scene(data, camera)
             frames.append(renderer.render().copy())
     np.save(target, np.array(frames))
-
-
-def _top(model: Any, data: Any) -> float:
-    """Find how high the robot's shapes reach [m]."""
-    robots = np.flatnonzero(model.body_weldid[model.geom_bodyid])
-    axes = data.geom_xmat[robots].reshape(-1, 3, 3)
-    center, half = model.geom_aabb[robots, :3], model.geom_aabb[robots, 3:]
-    up = axes[:, 2]
-    tops = data.geom_xpos[robots, 2] + (up * center + np.abs(up) * half).sum(axis=1)
-    return float(tops.max(initial=0.0))
 
 
 if __name__ == "__main__":

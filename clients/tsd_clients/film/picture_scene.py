@@ -8,10 +8,10 @@ import mujoco
 
 from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.robot.robot import Robot
+from tsd_clients.film.visual_geoms import add_visuals
 from tsd_clients.simulator.build_scene import build_scene
 from tsd_clients.simulator.ground import FLOOR
 from tsd_clients.simulator.scene import load_scene
-from tsd_clients.viewer.visual_geoms import add_visuals
 
 SKY = ((0.93, 0.95, 0.97), (0.75, 0.80, 0.86))
 TILES = ((0.80, 0.82, 0.84), (0.72, 0.74, 0.77))
@@ -22,8 +22,11 @@ LAMP = {"pos": (1.5, -1.5, 3.0), "dir": (-0.4, 0.4, -1.0), "diffuse": (0.5, 0.5,
 AZIMUTH, ELEVATION = 130.0, -12.0  # deg
 
 
-def load_picture_scene(robot: Robot) -> Any:
+def load_picture_scene(robot: Robot, most_faces: int | None = None) -> Any:
     """Load what a picture of the robot is taken of.
+
+    Args:
+        most_faces: Of each of the description's meshes; larger ones are simplified.
 
     Returns:
         ``mujoco.MjModel``: the robot's scene, or where it has none the one that a
@@ -35,7 +38,7 @@ def load_picture_scene(robot: Robot) -> Any:
     if robot.scene_path is not None:
         return load_scene(robot)
     spec = build_scene(robot)
-    add_visuals(spec, robot)
+    add_visuals(spec, robot, most_faces)
     _add_surroundings(spec)
     try:
         return spec.compile()

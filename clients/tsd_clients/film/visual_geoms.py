@@ -13,7 +13,8 @@ from tsd_casadi.robot.collada import turn_of
 from tsd_casadi.robot.geometry import load_geometry
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix, Vector
-from tsd_clients.viewer.triangles import triangles
+from tsd_clients.film.decimate import decimate
+from tsd_clients.film.triangles import triangles
 
 # MuJoCo takes 200,000 in a mesh
 FACES = 100_000
@@ -25,11 +26,12 @@ SHORTEST_STICK = 0.01
 STICK_COLOR = (0.55, 0.60, 0.66, 1.0)
 
 
-def add_visuals(spec: Any, robot: Robot) -> tuple[str, ...]:
+def add_visuals(spec: Any, robot: Robot, most_faces: int | None = None) -> tuple[str, ...]:
     """Add what the description shows of each link to the scene made of it.
 
     Args:
         spec: ``mujoco.MjSpec`` of ``build_scene``.
+        most_faces: Of each mesh; larger ones are simplified.
 
     Returns:
         Mesh files that are missing, without which the picture has to do.
@@ -38,7 +40,7 @@ def add_visuals(spec: Any, robot: Robot) -> tuple[str, ...]:
     shown = set()
     for number, shape in enumerate(geometry.model.geometryObjects):
         link = robot.bodies.link_of(shape.parentJoint)
-        for options in _geoms(spec, robot, shape, f"visual {number}"):
+        for options in _geoms(spec, robot, shape, f"visual {number}", most_faces):
             spec.body(link).add_geom(
                 quat=_wxyz(shape.placement.rotation),
                 rgba=_color(shape),
@@ -56,7 +58,9 @@ def add_visuals(spec: Any, robot: Robot) -> tuple[str, ...]:
     return geometry.missing
 
 
-def _geoms(spec: Any, robot: Robot, shape: Any, name: str) -> Iterator[dict[str, Any]]:
+def _geoms(
+    spec: Any, robot: Robot, shape: Any, name: str, most_faces: int | None
+) -> Iterator[dict[str, Any]]:
     kind, types = shape.geometry, mujoco.mjtGeom
     if isinstance(kind, coal.Box):
         yield {"type": types.mjGEOM_BOX, "size": kind.halfSide}
@@ -69,11 +73,15 @@ def _geoms(spec: Any, robot: Robot, shape: Any, name: str) -> Iterator[dict[str,
     elif isinstance(kind, coal.Ellipsoid):
         yield {"type": types.mjGEOM_ELLIPSOID, "size": kind.radii}
     elif isinstance(kind, coal.BVHModelBase):
-        yield from _mesh(spec, robot, shape, name)
+        yield from _mesh(spec, robot, shape, name, most_faces)
 
 
-def _mesh(spec: Any, robot: Robot, shape: Any, name: str) -> Iterator[dict[str, Any]]:
+def _mesh(
+    spec: Any, robot: Robot, shape: Any, name: str, most_faces: int | None
+) -> Iterator[dict[str, Any]]:
     vertices, faces = triangles(shape.geometry)
+    if most_faces is not None:
+        vertices, faces = decimate(vertices, faces, most_faces)
     vertices = vertices @ turn_of(robot.model, shape, vertices).T
     if np.prod(shape.meshScale) < 0:
         faces = faces[:, ::-1]  # what was outside is again

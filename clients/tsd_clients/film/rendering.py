@@ -1,14 +1,8 @@
-"""Pictures of the simulated robot, rendered without a screen.
-
-MuJoCo chooses its GL library when it is imported, so each library is tried in
-a process of its own; a missing or broken one then costs a picture and nothing
-else.
-"""
+"""Pictures of the simulated robot, rendered without a screen."""
 
 from __future__ import annotations
 
 import io
-import os
 import subprocess
 import sys
 import tempfile
@@ -21,23 +15,14 @@ from tsd_casadi.exceptions import RobotFileError
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import Robot
 from tsd_casadi.state import Matrix
+from tsd_clients.film.gl_library import HINT, REFUSED, environment_with, libraries
+from tsd_clients.film.video_file import GifFile
 
 Pictures = NDArray[np.uint8]
 
-LIBRARIES = ("egl", "osmesa")
-# MuJoCo's word for a process that renders nothing itself
-NO_LIBRARY = "disable"
-HINT = (
-    "No picture of the robot: no GL library for offscreen rendering was found; "
-    "'apt install libosmesa6' (or libegl1) provides one."
-)
 WIDTH, HEIGHT = 480, 640
 # how long rendering may take: its start, and each picture
 PATIENCE, PATIENCE_PER_PICTURE = 60.0, 2.0  # s
-# how the drawing process ends where a library is not to blame
-REFUSED = 3
-COLORS = 128  # of a GIF
-PALETTE_STEP = 8  # frames between two of those that the colours are chosen from
 
 
 def render_extremes(robot: Robot, run: Run, out: Path) -> str:
@@ -87,7 +72,7 @@ def render_postures(
         given, target = Path(folder) / "postures.npy", Path(folder) / "frames.npy"
         seen_from = "" if azimuth is None else str(azimuth)
         np.save(given, np.asarray(postures, dtype=float))
-        for library in _libraries():
+        for library in libraries():
             if _render_apart(
                 library,
                 [str(robot.path), str(given), str(target), str(width), str(height), seen_from],
@@ -116,26 +101,12 @@ def animate(frames: Pictures, seconds: float) -> bytes:
         frames: (N, height, width, 3) of bytes.
         seconds: How long all of them take; GIF knows hundredths of a second.
     """
-    from PIL import Image
-
-    # one palette for all frames: otherwise what is at rest would flicker
-    palette = Image.fromarray(side_by_side(frames[::PALETTE_STEP])).quantize(COLORS)
-    first, *others = (
-        Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
-        for frame in frames
-    )
     buffer = io.BytesIO()
-    duration = 10 * round(100 * seconds / len(frames))
-    first.save(
-        buffer, "GIF", save_all=True, append_images=others, duration=duration, loop=0, optimize=True
-    )
+    gif = GifFile(buffer, len(frames) / seconds)
+    for frame in frames:
+        gif.add(frame)
+    gif.close()
     return buffer.getvalue()
-
-
-def _libraries() -> tuple[str, ...]:
-    """List what to try: first what the user has chosen."""
-    chosen = os.environ.get("MUJOCO_GL")
-    return (chosen, *LIBRARIES) if chosen and chosen != NO_LIBRARY else LIBRARIES
 
 
 def _render_apart(library: str, arguments: list[str], patience: float) -> bool:
@@ -144,8 +115,8 @@ def _render_apart(library: str, arguments: list[str], patience: float) -> bool:
     Raises:
         RobotFileError: If the robot cannot be drawn, with any library.
     """
-    command = [sys.executable, "-m", "tsd_clients.viewer.drawing", *arguments]
-    environment = {**os.environ, "MUJOCO_GL": library}
+    command = [sys.executable, "-m", "tsd_clients.film.drawing", *arguments]
+    environment = environment_with(library)
     try:
         done = subprocess.run(
             command, env=environment, capture_output=True, timeout=patience, check=False
