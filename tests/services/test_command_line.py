@@ -239,7 +239,7 @@ def test_log_has_every_tick(connect: list[str], tmp_path: Path, ending: str) -> 
     if ending == ".npz":
         log = np.load(target)
         # and whose log it is; the request of a tick that failed only where one did
-        assert set(log.files) == {*LOG_FIELDS, "axes", "model", "robot"}
+        assert set(log.files) == {*LOG_FIELDS, "axes", "model", "outline", "robot", "summary"}
         assert {len(log[name]) for name in LOG_FIELDS} == {ticks}
         assert log["axes"].tolist() == ["com.z", "com.x", "com.y"]
     else:
