@@ -79,8 +79,9 @@ class McapLog:
                 stdin=source,
                 stdout=subprocess.PIPE,
                 stderr=self._words,
-                # Ctrl-C is for the run; its end is told by the pipe
-                start_new_session=True,
+                # Ctrl-C is for the run; its end is told by the pipe. Not a session of its own:
+                # Linux shares cores out between sessions, whatever their niceness
+                process_group=0,
             )
         finally:
             os.close(source)

@@ -14,6 +14,7 @@ import os
 import struct
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -27,9 +28,6 @@ OUTLINE, SETTINGS, ROW, VETO = b"o", b"g", b"r", b"v"
 REQUEST, OUTCOME, SUMMARY = b"q", b"e", b"s"
 BEGAN = struct.Struct("<Q")
 READY = b"ready\n"
-# behind whatever moves the robot; not last of all, where a busy computer would not let it run
-# and rows would pile up in the run's memory
-NICENESS = 10
 # between two readings [s]: rows come by the dozen, and the loop wakes nobody up
 PAUSE = 0.02
 # rows that are turned into messages at once; more of them would only take more memory
@@ -133,9 +131,20 @@ def write(path: Path, source: int) -> None:
         writing.finish()
 
 
+def stand_back() -> None:
+    """Let whatever moves the robot go first, at once.
+
+    A process that is only nice is not interrupted for a millisecond or more when a tick
+    is due on its core. On a computer that has no time left rows wait in the run's memory,
+    and are written when it has ended.
+    """
+    with suppress(OSError):  # a container may forbid it
+        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+
+
 def main() -> None:
     """Write the log that the one argument names; what goes wrong is one line on stderr."""
-    os.nice(NICENESS)
+    stand_back()
     try:
         write(Path(sys.argv[1]), sys.stdin.fileno())
     except Exception as error:
