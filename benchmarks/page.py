@@ -11,38 +11,13 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
-import shutil
-import subprocess
-import sys
 import tempfile
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
-ARGUMENTS = (
-    *("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"),
-    *("--enable-unsafe-swiftshader", "--disable-dev-shm-usage"),
-)
+from benchmarks.chromium import address_of, chromium, command
+
 PATIENCE = 120_000  # ms
-
-
-@contextmanager
-def command(folder: Path, *arguments: str) -> Iterator[subprocess.Popen[str]]:
-    """Run 'tsd' until the end of the block."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "tsd_cli", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-        env={**os.environ, "TSD_RUN_DIR": str(folder), "PYTHONUNBUFFERED": "1"},
-    )
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.communicate()
 
 
 def cpu_time(pid: int) -> float:
@@ -61,38 +36,31 @@ def print_share(what: str, pid: int, seconds: float) -> None:
 
 def main() -> None:
     """Measure."""
-    from playwright.sync_api import sync_playwright
-
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--robot", default="g1")
     parser.add_argument("--seconds", type=float, default=20.0)
     options = parser.parse_args()
     run = ("simulate", "squat", "--robot", options.robot, "--controller", "local")
-    with tempfile.TemporaryDirectory() as kept, sync_playwright() as playwright:
+    with tempfile.TemporaryDirectory() as kept:
         folder, begun = Path(kept) / "run", time.perf_counter()
         with command(folder, "view") as view:
-            assert view.stdout is not None
-            found = re.search(r"http://\S+:\d+", view.stdout.readline())
-            assert found is not None
+            address = address_of(view)
             print(f"from command to address: {time.perf_counter() - begun:.1f} s", flush=True)
             print_share("nobody looks", view.pid, options.seconds)
-            browser = playwright.chromium.launch(
-                executable_path=shutil.which("chromium"), args=ARGUMENTS
-            )
-            page = browser.new_page(viewport={"width": 1280, "height": 800})
-            page.set_default_timeout(PATIENCE)
-            begun = time.perf_counter()
-            page.goto(found.group())
-            page.get_by_role("tab", name="View", exact=True).click()
-            print(f"from address to tabs: {time.perf_counter() - begun:.1f} s", flush=True)
-            print_share("a browser, no run", view.pid, options.seconds)
-            begun = time.perf_counter()
-            with command(folder, *run, "--laps", "999"):
-                page.locator(f"[data-drawn~='{options.robot}']").wait_for(state="attached")
-                took = time.perf_counter() - begun
-                print(f"from 'tsd simulate' to its robot: {took:.1f} s", flush=True)
-                print_share("a browser and a run", view.pid, options.seconds)
-            browser.close()
+            with chromium() as browser:
+                page = browser.new_page(viewport={"width": 1280, "height": 800})
+                page.set_default_timeout(PATIENCE)
+                begun = time.perf_counter()
+                page.goto(address)
+                page.get_by_role("tab", name="View", exact=True).click()
+                print(f"from address to tabs: {time.perf_counter() - begun:.1f} s", flush=True)
+                print_share("a browser, no run", view.pid, options.seconds)
+                begun = time.perf_counter()
+                with command(folder, *run, "--laps", "999"):
+                    page.locator(f"[data-drawn~='{options.robot}']").wait_for(state="attached")
+                    took = time.perf_counter() - begun
+                    print(f"from 'tsd simulate' to its robot: {took:.1f} s", flush=True)
+                    print_share("a browser and a run", view.pid, options.seconds)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Take the pictures of docs/view.md: the live page in Chromium, with robots that run.
 
-Run: python docs/make_screenshots.py [NAME ...]
+Run: python -m docs.make_screenshots [NAME ...]
 
 Takes some minutes, and Chromium (``apt install chromium``) with the extras 'view' and 'test'.
 """
@@ -8,10 +8,6 @@ Takes some minutes, and Chromium (``apt install chromium``) with the extras 'vie
 from __future__ import annotations
 
 import io
-import os
-import re
-import shutil
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -20,8 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from PIL import Image
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page
 
+from benchmarks.chromium import address_of, chromium, command
 from tsd_server.service_process import ServiceProcess, free_endpoint
 
 HERE = Path(__file__).parent
@@ -32,46 +29,18 @@ ROBOTS = ("hermes_lower", "talos", "g1")
 
 
 @contextmanager
-def command(folder: Path, *arguments: str) -> Iterator[subprocess.Popen[str]]:
-    """Run 'tsd' until the end of the block."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "tsd_cli", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-        env={**os.environ, "TSD_RUN_DIR": str(folder), "PYTHONUNBUFFERED": "1"},
-    )
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.communicate()
-
-
-@contextmanager
 def page_with(folder: Path, *robots: str) -> Iterator[Page]:
     """Open the page when it draws some robots."""
-    with command(folder, "view") as view, sync_playwright() as playwright:
-        assert view.stdout is not None
-        found = re.search(r"http://\S+:\d+", view.stdout.readline())
-        assert found is not None
-        browser = playwright.chromium.launch(
-            executable_path=shutil.which("chromium") or shutil.which("google-chrome"),
-            args=[
-                *("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"),
-                *("--enable-unsafe-swiftshader", "--disable-dev-shm-usage"),
-            ],
-        )
+    with command(folder, "view") as view, chromium() as browser:
         page = browser.new_page(viewport=SIZE)
         page.set_default_timeout(PATIENCE)
-        page.goto(found.group())
+        page.goto(address_of(view))
         # that this browser has no graphics card is nobody's business
         page.locator(".mantine-Notification-closeButton").first.click()
         open_tab(page, "View")
         for robot in robots:
             page.locator(f"[data-drawn~='{robot}']").wait_for(state="attached")
         yield page
-        browser.close()
 
 
 def open_tab(page: Page, name: str) -> None:

@@ -3,14 +3,8 @@
 from __future__ import annotations
 
 import io
-import os
-import re
-import shutil
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,21 +12,13 @@ import numpy as np
 import pytest
 
 import tsd_casadi as tsd
+from benchmarks.chromium import CHROMIUM, address_of, chromium, command
 from benchmarks.learned_squats import AXES, FREQUENCY, ROBOT, learn_squats
 from tsd_casadi.wire.run_directory import running
 from tsd_clients.remote.remote_learner import RemoteLearner
 from tsd_clients.viewer.prediction import PHASE
 from tsd_server.service_process import ServiceProcess, free_endpoint
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-# without a graphics card
-ARGUMENTS = [
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-dev-shm-usage",
-]
 SIZE = {"width": 900, "height": 600}
 # left of the panel, below the note about drawing without a graphics card
 VIEW = {"x": 0, "y": 160, "width": 440, "height": 440}
@@ -64,23 +50,6 @@ pytestmark = [
 ]
 
 
-@contextmanager
-def command(folder: Path, *arguments: str) -> Iterator[subprocess.Popen[str]]:
-    """Run 'tsd' until the end of the block."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "tsd_cli", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        env={**os.environ, "TSD_RUN_DIR": str(folder), "PYTHONUNBUFFERED": "1"},
-    )
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.communicate()
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("page") / "run"
@@ -99,21 +68,15 @@ def learner(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
 def address(folder: Path) -> Iterator[str]:
     """Address of the page."""
     with command(folder, "view", "--port", free_endpoint().rpartition(":")[2]) as process:
-        assert process.stdout is not None
-        said = process.stdout.readline()
-        found = re.search(r"http://127\.0\.0\.1:\d+", said)
-        assert found is not None, said + process.communicate()[0]
-        yield found.group()
+        address = address_of(process)
+        assert address.startswith("http://127.0.0.1:")
+        yield address
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
-        yield chromium
-        chromium.close()
+    with chromium() as opened:
+        yield opened
 
 
 @pytest.fixture(scope="module")
