@@ -112,6 +112,7 @@ class LineChart:
         y_scale = viser.uplot.Scale(distr=3, log=10) if logarithmic else viser.uplot.Scale()
         y_axis = viser.uplot.Axis(label=y_label, labelSize=18.0, size=56.0)
         self._scales: dict[str, viser.uplot.Scale] = {"x": x_scale, "y": y_scale}
+        self._axes = x_axis, y_axis
         self._logarithmic = logarithmic
         nothing = np.array([1.0, 1.0])
         self._chart = gui.add_uplot(
@@ -119,7 +120,7 @@ class LineChart:
             (viser.uplot.Series(label=x_label), viser.uplot.Series(label="")),
             title=title,
             scales=self._scales,
-            axes=(x_axis, y_axis),
+            axes=self._axes,
             cursor=viser.uplot.Cursor(drag=viser.uplot.Cursor_Drag(x=False, y=False)),
             height=height,
             padding=PADDING,
@@ -151,15 +152,19 @@ class LineChart:
                 for i, shade in enumerate(shades)
             )
         values = np.concatenate(data[1:])
-        if np.isnan(values).any():
-            self._set_range(values[np.isfinite(values)])
+        finite = values[np.isfinite(values)]
+        if finite.size and (self._logarithmic or finite.size < values.size):
+            self._set_range(finite)
         self._chart.data = tuple(np.asarray(each, dtype=float) for each in data)
 
     def _set_range(self, values: Vector) -> None:
         """Choose the range of y: uPlot finds none where a value is missing."""
         low, high = float(values.min()), float(values.max())
         if self._logarithmic:
-            low, high = 10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high))
+            first = np.floor(np.log10(low))
+            powers = np.arange(first, max(np.ceil(np.log10(high)), first + 1) + 1)
+            low, high = 10 ** powers[0], 10 ** powers[-1]
+            self._mark(powers)
         else:
             low, high = low - MARGIN * (high - low), high + MARGIN * (high - low)
         y_scale = self._scales["y"].copy()
@@ -167,6 +172,17 @@ class LineChart:
         scales = {**self._scales, "y": y_scale}
         if scales != self._chart.scales:
             self._chart.scales = scales
+
+    def _mark(self, powers: Vector) -> None:
+        """Mark powers of ten: by itself uPlot draws nine lines between two, and 0 for 0.0001."""
+        x_axis, y_axis = self._axes
+        marks = {
+            "splits": tuple((10.0**powers).tolist()),
+            "values": tuple(f"{mark:g}" for mark in 10.0**powers),
+        }
+        if any(y_axis.get(name) != wanted for name, wanted in marks.items()):
+            self._axes = x_axis, {**y_axis, **marks}  # type: ignore[typeddict-item]
+            self._chart.axes = self._axes
 
     def name(self, title: str) -> None:
         """Change its title."""
