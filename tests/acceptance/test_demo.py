@@ -88,8 +88,9 @@ def test_demo_reaches_its_goals(tmp_path: Path) -> None:
 
 
 def test_short_demo(tmp_path: Path) -> None:
-    # the 1 cm that is learned first is in the database as well
-    plan = Plan(frequency=1.0, amplitude=0.01, database=(0.005,), queried=0.008, nearest=0.005)
+    plan = Plan(
+        frequency=1.0, amplitude=0.01, database=(0.005, 0.012), queried=0.008, nearest=0.005
+    )
     run_demo(load_robot("hermes_lower"), tmp_path, plan=plan)
     check_summary(tmp_path)
 
