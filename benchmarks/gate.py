@@ -7,9 +7,9 @@ Run: python -m benchmarks.gate [--pushes N] [--kinds N] [--p-scale S] [--json FI
 fourth lap; how long after its end, in laps, all of the term is in use again. 'harmful': 20
 kinds of terms; how many laps after the motion began each is dropped, and the errors with
 the gate, without it and without the term. Goals: within 2 laps, within 1 lap. 'claims': 1.4
-times what fits, without other errors than a load, at three gains; the error that the gate
-predicts without the term, and the measured one; and, among the harmful ones, 1.7 times what
-fits at the softest, where that prediction is wrong.
+times what fits, without other errors than a load, at three gains; what the gate says that the
+error would be without the term, predicted or tried, and the measured one; and, among the
+harmful ones, 1.7 times what fits at the softest, where the prediction is wrong.
 """
 
 from __future__ import annotations
@@ -194,7 +194,7 @@ def too_much(fits: Feedforward, bench: Bench) -> dict[str, Any]:
 
 
 def claims(fits: Feedforward, bench: Bench) -> list[dict[str, float]]:
-    """Compare what the gate predicts with what is measured, at the usual gains and at softer."""
+    """Compare what the gate says of the error without the term with what is measured."""
     term = replace(fits, weights=MORE * fits.weights)
     rows = []
     for factor in (1.0, 0.2, SOFTEST):
@@ -206,7 +206,7 @@ def claims(fits: Feedforward, bench: Bench) -> list[dict[str, float]]:
             {
                 "P": softer.none.gains["P"][0],
                 "with": ungated.errors[axis].rms,
-                "predicted": gate.errors[1],
+                "said": gate.errors[1],
                 "measured": softer.none.errors[axis].rms,
             }
         )
@@ -248,7 +248,7 @@ def main() -> None:
             for name, key, scale in (
                 ("P\n1/s²", "P", 1.0),
                 ("with it\nmm", "with", 1e3),
-                ("predicted without\nmm", "predicted", 1e3),
+                ("said without\nmm", "said", 1e3),
                 ("measured without\nmm", "measured", 1e3),
             )
         ]

@@ -39,12 +39,11 @@ def test_what_harms_is_dropped_within_a_lap(bench: Bench, kind: str) -> None:
 
 
 @pytest.mark.long
-def test_at_usual_gains_the_prediction_is_right_and_at_soft_ones_it_is_no_more_than_a_guess(
-    bench: Bench,
-) -> None:
+def test_what_is_said_of_the_error_without_the_term_is_right(bench: Bench) -> None:
+    # predicted at the usual gains, tried at soft ones, where a prediction is no more than a guess
     stiff, _, soft = claims(bench.fits, bench)
-    assert stiff["predicted"] == pytest.approx(stiff["measured"], rel=0.05)
-    assert soft["predicted"] > 1.1 * soft["measured"]
+    assert stiff["said"] == pytest.approx(stiff["measured"], rel=0.05)
+    assert soft["said"] == pytest.approx(soft["measured"], rel=0.05)
 
 
 @pytest.mark.long
