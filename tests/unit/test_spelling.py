@@ -57,7 +57,7 @@ KEPT = re.compile(r"centres|test_\w+")
 # described, quoted words, a string's placeholders, places in a figure and its colours.
 CODE_IN_TEXT = re.compile(
     r"`+[^`]*`+|\[\w+\]|^\| generalization \||^ +\w+: |\"[^\"\s]+\"|'[^'\s]+'|\{[^{}]*\}"
-    r"|upper center|color: #\w+",
+    r"|upper center|color: #\w+|style='[^']*",
     re.MULTILINE,
 )
 # Names and paths: with a dot, underscore, slash or capital inside, called, or an option.
