@@ -47,6 +47,21 @@ def test_the_loop_loads_its_robot_but_no_statistics() -> None:
     assert not loaded_by(code) & (HEAVY - {"pinocchio"})
 
 
+def test_commands_load_without_what_the_extras_bring() -> None:
+    extras = {
+        "av",
+        "example_robot_data",
+        "fast_simplification",
+        "mcap",
+        "rosbags",
+        "viser",
+        "xacro",
+    }
+    loaded = loaded_by(LOAD, "tsd_cli")
+    assert "typer" in loaded
+    assert not loaded & extras
+
+
 # prints what BLAS will read at the moment in which numpy is asked for
 THREADS = """
 import os, runpy, sys

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.whole_file import write_whole
-from tsd_clients.logs.copy_mcap import Copied, copy_mcap
 from tsd_clients.logs.log_file import MCAP, check_log_path
-from tsd_clients.logs.mcap_file import begin_mcap
+
+if TYPE_CHECKING:
+    from tsd_clients.logs.copy_mcap import Copied
 
 
 def recover_log(path: Path, target: Path) -> Copied:
@@ -37,6 +39,9 @@ def recover_log(path: Path, target: Path) -> Copied:
             "log file", f"'{path}'", f"a {MCAP}: others are written whole or not at all"
         )
     check_log_path(path)
+    from tsd_clients.logs.copy_mcap import copy_mcap
+    from tsd_clients.logs.mcap_file import begin_mcap
+
     if path == target:
         with path.open("rb") as source, open(os.devnull, "wb") as nowhere:
             looked_at = copy_mcap(source, begin_mcap(nowhere))

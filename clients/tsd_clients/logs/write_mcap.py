@@ -20,7 +20,6 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from tsd_clients.logs.mcap_file import begin_mcap
 from tsd_clients.logs.run_summary import KILLED
 from tsd_clients.logs.unblocked_pipe import CAPACITY, FRAME
 
@@ -65,6 +64,9 @@ class Writing:
 
     def __init__(self, file: BinaryIO) -> None:
         """Begin the file."""
+        # the loop, which shares the words of this module, does without the library
+        from tsd_clients.logs.mcap_file import begin_mcap
+
         self._file, self._writer = file, begin_mcap(file)
         self._rows: list[bytes] = []
         self._end: dict[str, Any] = {"aborted": KILLED}
