@@ -10,6 +10,7 @@ from tsd_casadi.exceptions import EntryNotFound, InvalidValue
 from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.contraction import Contraction
 from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.learning.feedforward_source import FeedforwardSource
 from tsd_casadi.learning.instruction import Instruction
 from tsd_casadi.learning.recording import Recording
 from tsd_casadi.learning.rules.by_name import find_rule
@@ -40,23 +41,8 @@ class Learned(Protocol):
         """What iterations leave of an error, by axis."""
 
 
-class Learner(Protocol):
+class Learner(FeedforwardSource, Protocol):
     """A database, local or behind a service."""
-
-    def query(
-        self,
-        motion: str,
-        /,
-        *,
-        robot: str,
-        kind: str | None = None,
-        extrapolate: bool = False,
-        axes: Sequence[str] | None = None,
-        context: Context | None = None,
-        version: str | None = None,
-        **parameters: float,
-    ) -> Feedforward:
-        """Tell the feedforward for some parameters of a motion."""
 
     def record(self, recording: Recording, instruction: Instruction) -> tuple[Learned, list[str]]:
         """Take in one repetition, and learn from it as told."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
 from tsd_casadi.exceptions import DatabaseError, EntryNotFound, OutsideTrainedRange, TsdError
 from tsd_casadi.exceptions.services import ServiceError
-from tsd_casadi.learning.context import Context
 from tsd_casadi.learning.feedforward import Feedforward
+from tsd_casadi.learning.feedforward_source import FeedforwardSource
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.wire.learner import DatabaseReply, EntryMessage
 from tsd_clients.viewer.known_motion import KnownMotion, known_motions, parameters_of
@@ -21,23 +21,8 @@ AROUND = 4
 KEPT = 1_000
 
 
-class Learner(Protocol):
-    """A learner that is asked."""
-
-    def query(
-        self,
-        motion: str,
-        /,
-        *,
-        robot: str,
-        kind: str | None = None,
-        extrapolate: bool = False,
-        axes: Sequence[str] | None = None,
-        context: Context | None = None,
-        version: str | None = None,
-        **parameters: float,
-    ) -> Feedforward:
-        """Tell the feedforward for some parameters of a motion."""
+class ListingLearner(FeedforwardSource, Protocol):
+    """A learner that says what it knows, too."""
 
     def entries(self) -> list[EntryMessage]:
         """List all entries."""
@@ -71,7 +56,7 @@ class Explorer:
         motions: Those that learned something, what was learned last first.
     """
 
-    def __init__(self, learner: Learner) -> None:
+    def __init__(self, learner: ListingLearner) -> None:
         """Explore a learner."""
         self._learner = learner
         self._newest: object = None

@@ -10,7 +10,7 @@ from tsd_casadi.exceptions import TsdError
 from tsd_casadi.exceptions.services import ServiceError
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.wire.learner import EntryMessage
-from tsd_clients.viewer.explorer import Asked, Explorer, Learner
+from tsd_clients.viewer.explorer import Asked, Explorer, ListingLearner
 from tsd_clients.viewer.known_motion import KnownMotion, known_motions
 from tsd_clients.viewer.prediction import LearnedCurve, Prediction
 
@@ -36,7 +36,7 @@ class LearnerLink:
         declarations: What is said of the motions that were asked about.
     """
 
-    def __init__(self, open_learner: Callable[[], AbstractContextManager[Learner]]) -> None:
+    def __init__(self, open_learner: Callable[[], AbstractContextManager[ListingLearner]]) -> None:
         """Start the thread.
 
         Args:
