@@ -49,8 +49,8 @@ def test_repetitions_are_counted_against_the_plain_sum(
 
 
 def test_every_row_has_its_runs_for_every_seed() -> None:
-    jobs = jobs_of(ROWS, "adaptive", 3, 7)
-    assert {job.seed for job in jobs} == {0, 1, 2}
+    jobs = jobs_of(ROWS, "hermes_lower", "adaptive", range(4, 7), 7)
+    assert {job.seed for job in jobs} == {4, 5, 6}
     assert {job.row for job in jobs} == {*ROWS, "change/plain"}
     assert len({(job.row, job.seed) for job in jobs}) == len(jobs)
 
@@ -151,7 +151,7 @@ def test_the_budget_is_printed_of_what_was_learned(capsys: pytest.CaptureFixture
 
 @pytest.mark.long
 def test_what_was_learned_before_a_load_is_taken_again_when_it_goes() -> None:
-    found = learn_until_return("adaptive", 0, 3, 3.0)
+    found = learn_until_return("hermes_lower", "adaptive", 0, 3, 3.0)
     assert found["again"]
     # 10 mm, and then what the best repetition before left
     assert found["errors"][0] > 20 * found["before"]
@@ -160,7 +160,7 @@ def test_what_was_learned_before_a_load_is_taken_again_when_it_goes() -> None:
 
 @pytest.mark.long
 def test_a_load_is_noticed_and_learned_at_once() -> None:
-    found = learn_through_change("adaptive", 0, 2, 0.1, 3.0)
+    found = learn_through_change("hermes_lower", "adaptive", 0, 2, 0.1, 3.0)
     assert found["at_once"]
     assert found["alarms"] == 0
     # 10 mm, 0.25 mm, less than 0.1 mm

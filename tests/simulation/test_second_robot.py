@@ -95,8 +95,10 @@ DEFAULTS = {
     "experiments/tsd_experiments/beyond/any_motion/__main__.py": (
         r'^    parser.add_argument\("--robot", default="hermes_lower", metavar="NAME\|FILE"\)$'
     ),
-    # whose goals and data are of this robot
-    "experiments/tsd_experiments/beyond/outside_the_lab/rows.py": r'^ROBOT = "hermes_lower"$',
+    "experiments/tsd_experiments/beyond/outside_the_lab/__main__.py": (
+        r'^    parser.add_argument\("--robot", default="hermes_lower", metavar="NAME\|FILE"\)$'
+    ),
+    # whose data are of this robot
     "experiments/tsd_experiments/beyond/trusted_regression/learned_terms.py": (
         r'^    robot = load_robot\("hermes_lower"\)$'
     ),

@@ -8,7 +8,7 @@ from sklearn.gaussian_process.kernels import ConstantKernel, DotProduct, Exponen
 
 from tsd_casadi.generalization import gaussian_process
 from tsd_casadi.generalization.gaussian_process import NEAREST, GaussianProcess
-from tsd_casadi.generalization.kernel import Kernel
+from tsd_casadi.generalization.kernel import NEXT_DEGREE, Kernel
 
 KERNEL = Kernel(1.5, 0.7, 0.2, 0.4, 1e-3, np.array([0.8, 1.7]))
 
@@ -28,7 +28,8 @@ def reference(kernel: Kernel, noise: np.ndarray) -> GaussianProcessRegressor:
     same = (
         ConstantKernel(kernel.constant)
         + ConstantKernel(kernel.linear) * product
-        + ConstantKernel(kernel.quadratic) * Exponentiation(product, 2)
+        + ConstantKernel(kernel.higher) * Exponentiation(product, 2)
+        + ConstantKernel(NEXT_DEGREE * kernel.higher) * Exponentiation(product, 3)
         + ConstantKernel(kernel.rough) * Matern(kernel.lengths, nu=2.5)
     )
     return GaussianProcessRegressor(same, alpha=kernel.noise + noise, optimizer=None)
@@ -67,7 +68,7 @@ def test_the_likelihood_is_that_of_scikit_learn_with_its_gradient() -> None:
 def test_fitted_hyperparameters_are_more_probable_than_others() -> None:
     places, targets, noise = data(1, 12)
     fitted = GaussianProcess.fitted(places, targets, noise).kernel
-    found = (fitted.constant, fitted.linear, fitted.quadratic, fitted.rough, fitted.noise)
+    found = (fitted.constant, fitted.linear, fitted.higher, fitted.rough, fitted.noise)
     theta = np.log([*found, *fitted.lengths])
     medians = np.log([*gaussian_process.MEDIANS, 1.0, 1.0])
     spreads = np.array([*[gaussian_process.SPREAD] * 5, *[gaussian_process.LENGTH_SPREAD] * 2])

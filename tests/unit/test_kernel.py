@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import approx_fprime
 from sklearn.gaussian_process.kernels import ConstantKernel, DotProduct, Exponentiation, Matern
 
-from tsd_casadi.generalization.kernel import Kernel
+from tsd_casadi.generalization.kernel import NEXT_DEGREE, Kernel
 
 FEW = settings(max_examples=settings.default.max_examples // 5)
 HYPERPARAMETERS = st.lists(st.floats(-3.0, 1.0), min_size=7, max_size=7).map(np.array)
@@ -25,7 +25,8 @@ def test_it_is_the_sum_of_a_polynomial_and_a_matern_process(theta: np.ndarray, s
     expected = (
         ConstantKernel(kernel.constant)
         + ConstantKernel(kernel.linear) * product
-        + ConstantKernel(kernel.quadratic) * Exponentiation(product, 2)
+        + ConstantKernel(kernel.higher) * Exponentiation(product, 2)
+        + ConstantKernel(NEXT_DEGREE * kernel.higher) * Exponentiation(product, 3)
         + ConstantKernel(kernel.rough) * Matern(kernel.lengths, nu=2.5)
     )
     one, other = places_of(seed), places_of(seed + 1, 4)

@@ -11,6 +11,7 @@ from scipy.interpolate import LinearNDInterpolator
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
 from tsd_casadi.generalization import weight_regression
+from tsd_casadi.generalization.kernel import NEXT_DEGREE
 from tsd_casadi.generalization.predictive_deviation import student_factor
 from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.learning.feedforward import Feedforward
@@ -81,7 +82,8 @@ class ClosedForm:
         r = np.linalg.norm(one[:, None] / k.lengths - other[None] / k.lengths, axis=2)
         matern = (1 + np.sqrt(5) * r + 5 / 3 * r**2) * np.exp(-np.sqrt(5) * r)
         dot = one @ other.T
-        return np.asarray(k.constant + k.linear * dot + k.quadratic * dot**2 + k.rough * matern)
+        trend = k.constant + k.linear * dot + k.higher * dot**2 * (1 + NEXT_DEGREE * dot)
+        return np.asarray(trend + k.rough * matern)
 
     def predict(self, x: np.ndarray, used: np.ndarray) -> tuple[np.ndarray, float]:
         """Mean, and standard deviation in units of the spread, from some entries."""
@@ -179,14 +181,20 @@ def test_two_standard_deviations_hold_the_held_out_curves(entries: int) -> None:
     assert min(shares) >= 0.5
 
 
-def test_a_parameter_without_effect_gets_a_long_length_scale() -> None:
+def test_a_parameter_without_effect_has_none() -> None:
     weights = [learned((amplitude, 0.3)) for amplitude, _ in GRID]
     regression = WeightRegression(DECLARATION, NAMES, np.array(GRID), weights, BASIS)
-    scales = regression.length_scales
-    assert scales["frequency"] > 2 * scales["amplitude"]
     one, other = (regression.predict(at(0.05, frequency))[0] for frequency in (0.25, 0.55))
     np.testing.assert_allclose(one, other, atol=1e-3)
     np.testing.assert_allclose(one, learned((0.05, 0.3)), atol=1e-2)
+
+
+def test_what_steps_along_one_parameter_has_a_short_length_scale_there() -> None:
+    """Steps are no polynomial: that what is left of the trend says how far it goes on."""
+    weights = [np.full(SHAPE, np.sign(amplitude - 0.05)) + 0.1 * f for amplitude, f in GRID]
+    regression = WeightRegression(DECLARATION, NAMES, np.array(GRID), weights, BASIS)
+    scales = regression.length_scales
+    assert scales["frequency"] > 1.5 * scales["amplitude"]
 
 
 def test_uncertainty_grows_away_from_the_entries() -> None:
@@ -300,13 +308,34 @@ def test_the_bands_are_around_the_deviation() -> None:
     assert (simultaneous.half_width > pointwise.half_width).all()
 
 
-def test_a_polynomial_of_the_parameters_counts_straight() -> None:
+@pytest.mark.parametrize(
+    ("frequencies", "accuracy"),
+    [
+        # of three values a cubic may be what a line is: the range of f^2 is 0.32
+        ((0.2, 0.4, 0.6), 0.015),
+        ((0.2, 0.3, 0.4, 0.6), 1e-3),
+    ],
+)
+def test_a_polynomial_of_the_parameters_is_found(
+    frequencies: tuple[float, ...], accuracy: float
+) -> None:
     sine, cosine = np.sin(BASIS.centers), np.cos(BASIS.centers)
-    weights = [np.stack([a * sine + f**2 * cosine, a * f * sine]) for a, f in GRID]
-    regression = WeightRegression(DECLARATION, NAMES, np.array(GRID), weights, BASIS)
+    places = [(a, f) for a in AMPLITUDES for f in frequencies]
+    weights = [np.stack([a * sine + f**2 * cosine, a * f * sine]) for a, f in places]
+    regression = WeightRegression(DECLARATION, NAMES, np.array(places), weights, BASIS)
     assert not regression._coordinates.by_ratio
     mean, _ = regression.predict(at(0.03, 0.5))
-    np.testing.assert_allclose(mean[0], 0.03 * sine + 0.25 * cosine, atol=1e-4)
+    np.testing.assert_allclose(mean[0], 0.03 * sine + 0.25 * cosine, atol=accuracy)
+
+
+def test_the_acceleration_of_a_motion_is_found() -> None:
+    """Amplitude times the square of the frequency, of third degree."""
+    places = [(a, f) for a in AMPLITUDES for f in (0.2, 0.3, 0.4, 0.5, 0.6)]
+    sine = np.sin(BASIS.centers)
+    weights = [np.stack([a * f**2 * sine, a**2 * f * sine]) for a, f in places]
+    regression = WeightRegression(DECLARATION, NAMES, np.array(places), weights, BASIS)
+    mean, _ = regression.predict(at(0.03, 0.45))
+    np.testing.assert_allclose(mean[0], 0.03 * 0.45**2 * sine, atol=2e-5)
 
 
 def test_what_friction_makes_counts_by_ratios() -> None:

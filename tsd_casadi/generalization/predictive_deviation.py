@@ -33,10 +33,10 @@ SAMPLES = 8
 COVERED = 2.0
 POINTS = 0.954  # share of the points that these are
 # of the residuals of one entry's curve, that many are independent: what each entry beyond those
-# that a plane takes tells of the scale. Without any nothing tells it: two, the least with which
-# most of Student's distribution is within a few deviations
+# that a plane takes tells of the scale. Without any nothing tells it: three, the least with which
+# Student's distribution has a standard deviation at all
 INDEPENDENT = 4
-LEAST_FREEDOM = 2
+LEAST_FREEDOM = 3
 # whole curves differ in how far off they are, some places are harder than others: their
 # magnitudes are as widely spread as if they had been estimated from so few numbers
 CURVES_FREEDOM = 4

@@ -3,7 +3,7 @@ r"""From parameters of a motion to weights by Gaussian process regression [gener
 .. math:: F_{D_b}: \kappa \mapsto w
 
 A process for each axis over all parameters that differ, shared by the weights of the
-axis: a trend of second degree and what is left of it, see ``kernel``. Parameters that
+axis: a trend of third degree and what is left of it, see ``kernel``. Parameters that
 cannot be negative count by their ratios unless that is clearly less probable. How much
 there is of what, the entries say; with a handful of them it is little more than a
 plane. Entries that the others contradict are left out and named.

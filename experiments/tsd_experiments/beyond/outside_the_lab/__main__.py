@@ -1,6 +1,6 @@
 """Learn on a robot that shakes or changes; print what is reached, with its goals.
 
-Run: python -m tsd_experiments.beyond.outside_the_lab [--seeds N] [--row NAME]... [--rule RULE]
+Run: python -m tsd_experiments.beyond.outside_the_lab [--robot NAME] [--row NAME]... [--seeds N]
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ from tsd_experiments.harness.run_jobs import cores
 def main() -> None:
     """Learn with every seed, on all cores."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--seeds", type=int, default=10, metavar="N", help="0 to N - 1")
+    parser.add_argument("--seeds", type=int, default=10, metavar="N", help="how many")
+    parser.add_argument("--first-seed", type=int, default=0, metavar="N", help="of them")
+    parser.add_argument("--robot", default="hermes_lower", metavar="NAME|FILE")
     parser.add_argument("--row", action="append", choices=ROWS, help="may be given again")
     parser.add_argument("--rule", default="adaptive", choices=list(RULES))
     parser.add_argument("--iterations", type=int, default=40, help="of the row 'quiet'")
@@ -31,7 +33,8 @@ def main() -> None:
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     rule = find_rule(arguments.rule).name
-    jobs = jobs_of(arguments.row or ROWS, rule, arguments.seeds, arguments.iterations)
+    seeds = range(arguments.first_seed, arguments.first_seed + arguments.seeds)
+    jobs = jobs_of(arguments.row or ROWS, arguments.robot, rule, seeds, arguments.iterations)
     results: Results = {}
     with (
         show_progress("outside the lab", len(jobs)) as report,
@@ -42,7 +45,7 @@ def main() -> None:
             job = running[done]
             results.setdefault(job.row, []).append({"seed": job.seed, **done.result()})
             report(sum(map(len, results.values())), len(jobs))
-            text = json.dumps({"rule": rule, "rows": results}, indent=2)
+            text = json.dumps({"robot": arguments.robot, "rule": rule, "rows": results}, indent=2)
             (arguments.out / f"{rule}.json").write_text(text)
     print_budget(results.get("noise", []))
     print_goals([goal.plain() for goal in goals_of(results)])

@@ -48,23 +48,31 @@ class LabJob:
     arguments: tuple[Any, ...]
 
 
-def jobs_of(rows: Sequence[str], rule: RuleName, seeds: int, iterations: int) -> list[LabJob]:
+def jobs_of(
+    rows: Sequence[str], robot: str, rule: RuleName, seeds: Sequence[int], iterations: int
+) -> list[LabJob]:
     """List what some rows need.
 
     Args:
+        robot: Its name, or the path of its file.
         iterations: Of the row 'quiet'.
     """
     jobs = []
-    for seed in range(seeds):
+    for seed in seeds:
         # at a random repetition, at the earliest when something was learned
         at = int(np.random.default_rng(seed).integers(1, 9))
         change = CHANGES[seed % len(CHANGES)]
         known = {
-            "noise": [LabJob("noise", seed, learn_under_noise, (rule, seed))],
-            "quiet": [LabJob("quiet", seed, learn_quietly, (rule, seed, iterations))],
+            "noise": [LabJob("noise", seed, learn_under_noise, (robot, rule, seed))],
+            "quiet": [LabJob("quiet", seed, learn_quietly, (robot, rule, seed, iterations))],
             "change": [
-                LabJob("change", seed, learn_through_change, (rule, seed, at, *change)),
-                LabJob("change/plain", seed, learn_through_change, ("plain", seed, at, *change)),
+                LabJob("change", seed, learn_through_change, (robot, rule, seed, at, *change)),
+                LabJob(
+                    "change/plain",
+                    seed,
+                    learn_through_change,
+                    (robot, "plain", seed, at, *change),
+                ),
             ],
             # converged: what comes of the first change is large against it
             "small": [
@@ -72,7 +80,7 @@ def jobs_of(rows: Sequence[str], rule: RuleName, seeds: int, iterations: int) ->
                     "small",
                     seed,
                     learn_through_change,
-                    (rule, seed, ITERATIONS, MODEL_ERROR, (-1) ** seed * SMALLEST, NOISE),
+                    (robot, rule, seed, ITERATIONS, MODEL_ERROR, (-1) ** seed * SMALLEST, NOISE),
                 )
             ],
             "return": [
@@ -80,7 +88,7 @@ def jobs_of(rows: Sequence[str], rule: RuleName, seeds: int, iterations: int) ->
                     "return",
                     seed,
                     learn_until_return,
-                    (rule, seed, ITERATIONS + 1, (-1) ** seed * CHANGES[1][1]),
+                    (robot, rule, seed, ITERATIONS + 1, (-1) ** seed * CHANGES[1][1]),
                 )
             ],
         }

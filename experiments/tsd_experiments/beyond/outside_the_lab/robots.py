@@ -40,13 +40,14 @@ def make_robot(
     load: float = 0.0,
     disturbances: Sequence[Disturbance] = (),
 ) -> MujocoSimulator:
-    """Make the simulated robot with all effects of its hardware.
+    """Make the simulated robot with all effects of its hardware that its file tells.
 
     Args:
         load: Of which the controller knows nothing, on the base body [kg]; what is
             taken off is negative.
     """
-    simulator = MujocoSimulator(robot, model_error, HARDWARE, disturbances=disturbances)
+    hardware = () if robot.description.hardware is None else HARDWARE
+    simulator = MujocoSimulator(robot, model_error, hardware, disturbances=disturbances)
     if load:
         simulator.model.body_mass[simulator.state_map.base_body] += load
         mujoco.mj_setConst(simulator.model, mujoco.MjData(simulator.model))

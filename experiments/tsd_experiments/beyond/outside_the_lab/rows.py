@@ -27,7 +27,6 @@ from tsd_experiments.beyond.outside_the_lab.robots import (
 )
 from tsd_experiments.harness.learn_case import own_database
 
-ROBOT = "hermes_lower"
 MOTION = Squat(0.03, 0.5)
 NOISE = 1.0  # N m
 ITERATIONS = 5
@@ -37,7 +36,7 @@ WITH_LOAD = 2  # repetitions
 FIRST_SEED = 1000
 
 
-def learn_under_noise(rule: RuleName, seed: int) -> dict[str, Any]:
+def learn_under_noise(robot: str, rule: RuleName, seed: int) -> dict[str, Any]:
     """Learn with torque noise, fresh in each repetition.
 
     Returns:
@@ -49,16 +48,18 @@ def learn_under_noise(rule: RuleName, seed: int) -> dict[str, Any]:
     noise = FreshTorqueNoise(NOISE, seed)
     with own_database() as database:
         try:
-            runs = _learn(make_robot(_robot(), disturbances=[noise]), database, rule, seed)
+            runs = _learn(make_robot(load_robot(robot), disturbances=[noise]), database, rule, seed)
         except SimulationError as error:
             return {"refused": str(error)}
         alarms = _epoch(database)
     with own_database() as database:
-        quiet = _learn(make_robot(_robot()), database, rule, seed)[-1].feedforward
+        quiet = _learn(make_robot(load_robot(robot)), database, rule, seed)[-1].feedforward
     noise.runs -= 1
     last = FIRST_SEED * (seed + 1) + ITERATIONS
-    floor = _repeat(make_robot(_robot(), disturbances=[noise]), quiet, last, runs[-1].laps_run)
-    replay = _repeat(make_robot(_robot()), runs[-1].feedforward, last)
+    floor = _repeat(
+        make_robot(load_robot(robot), disturbances=[noise]), quiet, last, runs[-1].laps_run
+    )
+    replay = _repeat(make_robot(load_robot(robot)), runs[-1].feedforward, last)
     return {
         "refused": None,
         "after": _error(runs[-1]),
@@ -76,21 +77,27 @@ def learn_under_noise(rule: RuleName, seed: int) -> dict[str, Any]:
     }
 
 
-def learn_quietly(rule: RuleName, seed: int, iterations: int) -> dict[str, Any]:
+def learn_quietly(robot: str, rule: RuleName, seed: int, iterations: int) -> dict[str, Any]:
     """Learn without extra noise.
 
     Returns:
         'errors', RMS of each repetition [mm], and how often it was taken for another robot.
     """
     with own_database() as database:
-        runs = _learn(make_robot(_robot()), database, rule, seed, iterations)
+        runs = _learn(make_robot(load_robot(robot)), database, rule, seed, iterations)
         alarms = _epoch(database)
     errors = [_error(run) for run in runs]
     return {"errors": errors, "repetitions": len(runs), "alarms": alarms}
 
 
 def learn_through_change(
-    rule: RuleName, seed: int, at: int, model_error: float, load: float, noise: float = 0.0
+    robot: str,
+    rule: RuleName,
+    seed: int,
+    at: int,
+    model_error: float,
+    load: float,
+    noise: float = 0.0,
 ) -> dict[str, Any]:
     """Learn on a robot that is another one from some repetition on.
 
@@ -105,8 +112,8 @@ def learn_through_change(
     """
     disturbances = [FreshTorqueNoise(noise, seed)] if noise else []
     plant = ChangingRobot(
-        make_robot(_robot(), disturbances=disturbances),
-        make_robot(_robot(), model_error, load, disturbances),
+        make_robot(load_robot(robot), disturbances=disturbances),
+        make_robot(load_robot(robot), model_error, load, disturbances),
         at,
     )
     notes: list[list[str]] = []
@@ -121,7 +128,9 @@ def learn_through_change(
     }
 
 
-def learn_until_return(rule: RuleName, seed: int, at: int, load: float) -> dict[str, Any]:
+def learn_until_return(
+    robot: str, rule: RuleName, seed: int, at: int, load: float
+) -> dict[str, Any]:
     """Learn on a robot that is loaded from some repetition on, and unloaded two later.
 
     Args:
@@ -133,7 +142,9 @@ def learn_until_return(rule: RuleName, seed: int, at: int, load: float) -> dict[
         is gone again, and whether what was learned before was taken 'again' at once.
     """
     back = at + WITH_LOAD
-    plant = ChangingRobot(make_robot(_robot()), make_robot(_robot(), MODEL_ERROR, load), at, back)
+    plant = ChangingRobot(
+        make_robot(load_robot(robot)), make_robot(load_robot(robot), MODEL_ERROR, load), at, back
+    )
     notes: list[list[str]] = []
     with own_database() as database:
         runs = _learn(plant, database, rule, seed, back + 1, notes)
@@ -168,10 +179,10 @@ def _learn(
     first = FIRST_SEED * (seed + 1)
     return learn(
         plant,
-        compile_controller(_robot()),
+        compile_controller(plant.robot),
         [MOTION],
         database,
-        axes=MOTION.axes(_robot()),
+        axes=MOTION.axes(plant.robot),
         iterations=iterations,
         rule=rule,
         seed=range(first, first + iterations + 1),
@@ -182,17 +193,13 @@ def _learn(
 def _repeat(plant: Plant, feedforward: Feedforward, seed: int, laps: int = 3) -> Run:
     return repeat(
         plant,
-        compile_controller(_robot()),
+        compile_controller(plant.robot),
         MOTION,
-        axes=MOTION.axes(_robot()),
+        axes=MOTION.axes(plant.robot),
         laps=laps,
         feedforward=feedforward,
         seed=seed,
     )
-
-
-def _robot() -> Any:
-    return load_robot(ROBOT)
 
 
 def _error(run: Run) -> float:

@@ -27,7 +27,17 @@ FILE = Path(__file__).with_name("learned_terms.npz")
 # ends of amplitude [m], frequency [Hz] and height [m]
 CUBE = ((0.02, 0.05), (0.3, 0.7), (-0.04, 0.03))
 PLANE = ((0.02, 0.08), (0.3, 0.7), (0.0, 0.0))
-LINE = ((0.02, 0.08), (0.5, 0.5), (0.0, 0.0))
+# along a line all that is asked for is one function of one number: how often a band holds it takes
+# several of them
+LINES = (
+    ((0.02, 0.08), (0.5, 0.5), (0.0, 0.0)),
+    ((0.02, 0.05), (0.3, 0.3), (-0.03, -0.03)),
+    ((0.04, 0.04), (0.3, 0.7), (0.0, 0.0)),
+    ((0.02, 0.02), (0.3, 0.7), (0.02, 0.02)),
+    ((0.03, 0.03), (0.5, 0.5), (-0.04, 0.03)),
+    ((0.05, 0.05), (0.4, 0.4), (-0.04, 0.03)),
+)
+ON_A_LINE = 13
 ITERATIONS = 4
 FIRST_SEED = 1000  # of starting posture and sensor noise, another one for each place
 
@@ -55,20 +65,23 @@ class LearnedTerms:
 
 
 @cache
-def load_terms() -> dict[int, LearnedTerms]:
-    """Load what was learned by the number of parameters that differ: 1, 2 and 3."""
+def load_terms() -> dict[int, list[LearnedTerms]]:
+    """Load what was learned by the number of parameters that differ: lines, a plane, a cube."""
     with np.load(FILE) as stored:
         places, weights, ends = stored["places"], stored["weights"], stored["ends"]
-    parts = np.split(np.arange(len(places)), ends[:-1])
-    return {
-        count: LearnedTerms(NAMES[:count], places[part, :count], weights[part].astype(float))
-        for count, part in zip((3, 2, 1), parts, strict=True)
-    }
+    found: dict[int, list[LearnedTerms]] = {1: [], 2: [], 3: []}
+    for part in np.split(np.arange(len(places)), ends[:-1]):
+        varied = np.flatnonzero(np.ptp(places[part], axis=0) > 0)
+        names = tuple(NAMES[column] for column in varied)
+        found[len(varied)].append(
+            LearnedTerms(names, places[part][:, varied], weights[part].astype(float))
+        )
+    return found
 
 
 def learn_terms() -> None:
-    """Learn everything again; two cores take half an hour."""
-    parts = [_places(CUBE, 64, 12), _places(PLANE, 32, 13), _line(13)]
+    """Learn everything again; two cores take three quarters of an hour."""
+    parts = [_places(CUBE, 64, 12), _places(PLANE, 32, 13), *map(_line, LINES)]
     places = np.concatenate(parts)
     use_single_thread()
     with ProcessPoolExecutor(cores(), mp_context=get_context("spawn")) as pool:
@@ -89,9 +102,9 @@ def _places(ends: Sequence[tuple[float, float]], inside: int, seed: int) -> Matr
     return np.round(np.concatenate([corners, low + (high - low) * shares]), 6)
 
 
-def _line(count: int) -> Matrix:
-    low, high = np.array(LINE).T
-    return np.asarray(np.round(np.linspace(low, high, count), 6), dtype=float)
+def _line(ends: Sequence[tuple[float, float]]) -> Matrix:
+    low, high = np.array(ends).T
+    return np.asarray(np.round(np.linspace(low, high, ON_A_LINE), 6), dtype=float)
 
 
 def _learn(number: int, place: tuple[float, float, float]) -> Vector:
