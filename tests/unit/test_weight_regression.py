@@ -11,7 +11,7 @@ from scipy.interpolate import LinearNDInterpolator
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
 from tsd_casadi.generalization import weight_regression
-from tsd_casadi.generalization.kernel import NEXT_DEGREE
+from tsd_casadi.generalization.kernel import NEXT_DEGREE, VAGUE
 from tsd_casadi.generalization.predictive_deviation import student_factor
 from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.learning.feedforward import Feedforward
@@ -75,14 +75,18 @@ class ClosedForm:
         self.x, self.coordinates = regression._coordinates.places(inputs), regression._coordinates
         self.y = np.stack([learned(place, seed)[axis] for place in places])
         self.center = self.y.mean(axis=0)
-        self.spread = np.sqrt(np.mean(self.y.var(axis=0)))
+        # of the slope of a plane: 1 / sqrt(12) is how even values between 0 and 1 scatter
+        shares = (inputs - inputs.min(axis=0)) / np.ptp(inputs, axis=0)
+        width = np.sqrt(12 * np.mean(shares.var(axis=0)))
+        self.spread = np.sqrt(np.mean(self.y.var(axis=0))) / width
 
     def covariance(self, one: np.ndarray, other: np.ndarray) -> np.ndarray:
         k = self.kernel
         r = np.linalg.norm(one[:, None] / k.lengths - other[None] / k.lengths, axis=2)
         matern = (1 + np.sqrt(5) * r + 5 / 3 * r**2) * np.exp(-np.sqrt(5) * r)
         dot = one @ other.T
-        trend = k.constant + k.linear * dot + k.higher * dot**2 * (1 + NEXT_DEGREE * dot)
+        higher = k.higher * (dot / one.shape[1]) ** 2 * (1 + NEXT_DEGREE * dot)
+        trend = VAGUE * (1 + dot) + higher
         return np.asarray(trend + k.rough * matern)
 
     def predict(self, x: np.ndarray, used: np.ndarray) -> tuple[np.ndarray, float]:
@@ -107,6 +111,8 @@ class ClosedForm:
             squares.append((psi @ (self.y[i] - left_out) / expected / self.spread) ** 2)
         square = np.mean(squares, axis=0)
         square = (n * square + 4 * square.mean() + 1) / (n + 5)
+        if n == parameters + 1:
+            square = np.ones_like(square)
         scale = student_factor(n, parameters) * np.sqrt(square @ psi / psi.sum(axis=0))
         return mean, deviation * self.spread * scale
 

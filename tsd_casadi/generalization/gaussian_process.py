@@ -19,12 +19,12 @@ from tsd_casadi.state import Matrix, Vector
 # a prediction uses so many entries, the nearest: beyond them a curve hardly changes, and a
 # query stays a matter of milliseconds however many there are
 NEAREST = 120
-# hyperparameters before anything is known: medians of log-normal distributions. What all
-# entries have in common, what grows with a parameter, its curvature, the rest, the noise (the
-# most by which learning the same once more with other sensor noise differs), and a length scale
-# of half the learned range, which is 2 wide
-MEDIANS = (1.0, 1.0, 0.1, 0.3, 1e-4)
-LENGTH = 1.0
+# hyperparameters before anything is known: medians of log-normal distributions. Curvature and the
+# rest, in units of a plane's slope, about what many entries of squats say; the noise (the most by
+# which learning the same once more with other sensor noise differs); and a length scale as long as
+# the learned range, which is 2 wide
+MEDIANS = (0.1, 0.1, 1e-4)
+LENGTH = 2.0
 # their standard deviations: a factor of 7 up and down, of the length scales 2. Few entries
 # leave the medians, many override them
 SPREAD = 2.0
@@ -35,8 +35,8 @@ LEAST_NOISE, MOST_NOISE = 1e-6, 1.0
 # so far that a hole between entries is as certain as what is beside them
 REACH = 2.0
 # the likelihood has several maxima: it is climbed from the medians, and from a process
-# that is all noise and trend
-ELSEWHERE = (0.0, 0.0, -2.0, -3.0, 4.0)
+# that is all noise and plane
+ELSEWHERE = (-2.0, -3.0, 4.0)
 MOST_STEPS = 60
 # places at once, so that memory stays bounded: along three axes 50 MB over a thousand entries
 TOGETHER = 1000

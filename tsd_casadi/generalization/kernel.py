@@ -2,11 +2,13 @@ r"""How alike the weights at two places are before anything is known of them.
 
 .. math::
 
-    k(x, x') = c + l\, p + q\, p^2 (1 + p / 10) + r\, m(|x - x'|_\lambda), \qquad p = x^T x'
+    k(x, x') = v (1 + p) + q\, (p / d)^2 (1 + p / 10) + r\, m(|x - x'|_\lambda), \qquad p = x^T x'
 
-A polynomial of third degree whose coefficients are normal [Rasmussen and Williams,
-Gaussian Processes for Machine Learning, section 4.2.2], and a Matern 5/2 process m
-[ibid., eq. 4.17] with a length scale lambda for each parameter. Rigid-body dynamics
+A plane of which nothing is known before, v is large; a polynomial of second and third
+degree whose coefficients are normal [Rasmussen and Williams, Gaussian Processes for
+Machine Learning, sections 2.7 and 4.2.2]; and a Matern 5/2 process m [ibid., eq. 4.17]
+with a length scale lambda for each parameter. Of q and r only what the entries have
+beyond a plane tells, which d + 1 of them have not at all. Rigid-body dynamics
 are close to the polynomial over the range of a motion, which a few entries determine:
 the acceleration of a squat, its amplitude times the square of its frequency, is of third
 degree. Friction's steps move over the phase with the parameters, which is rougher than
@@ -22,10 +24,12 @@ from numpy.typing import NDArray
 
 from tsd_casadi.state import Matrix, Vector
 
-# what the third degree has of the variance of the second: a tenth, as the medians of
-# ``gaussian_process`` give the second of the first. Half or twice as much predicts as well, three
-# times worse; with a hyperparameter of its own a handful of entries was predicted worse
+# what the third degree has of the variance of the second. Half of it predicts as well, three times
+# as much worse; with a hyperparameter of its own a handful of entries was predicted worse
 NEXT_DEGREE = 0.1
+# variance of the plane's coefficients: that of targets is about one, so that a plane through them
+# is hardly drawn towards zero, by a hundredth at most; much larger ones cost digits
+VAGUE = 30.0
 
 
 @dataclass(frozen=True)
@@ -33,16 +37,12 @@ class Kernel:
     """The kernel with its hyperparameters, for targets with a variance of about one.
 
     Attributes:
-        constant: c, variance of what all places have in common.
-        linear: l.
         higher: q, of the second degree, and of the third in proportion.
         rough: r, variance of the Matern process.
         noise: Variance of what is different each time.
         lengths: lambda, (d,).
     """
 
-    constant: float
-    linear: float
     higher: float
     rough: float
     noise: float
@@ -51,15 +51,15 @@ class Kernel:
     @classmethod
     def of_logarithms(cls, theta: Vector) -> Kernel:
         """Make it from the logarithms of its hyperparameters, in their order."""
-        constant, linear, higher, rough, noise, *lengths = np.exp(theta).tolist()
-        return cls(constant, linear, higher, rough, noise, np.array(lengths))
+        higher, rough, noise, *lengths = np.exp(theta).tolist()
+        return cls(higher, rough, noise, np.array(lengths))
 
     def __str__(self) -> str:
         """For people."""
         lengths = ", ".join(f"{length:.3g}" for length in self.lengths)
         return (
-            f"{self.constant:.3g} + {self.linear:.3g} linear + {self.higher:.3g} higher + "
-            f"{self.rough:.3g} Matern 5/2 (length scales {lengths}) + noise {self.noise:.3g}"
+            f"plane + {self.higher:.3g} higher + {self.rough:.3g} Matern 5/2 "
+            f"(length scales {lengths}) + noise {self.noise:.3g}"
         )
 
     def covariance(self, one: Matrix, other: Matrix) -> Matrix:
@@ -89,7 +89,7 @@ class Kernel:
             weights: Of each pair of them, (n, n).
 
         Returns:
-            Derivatives by the logarithms, in their order, (5 + d,).
+            Derivatives by the logarithms, in their order, (3 + d,).
         """
         product = places @ places.T
         # (d, n, n): squares of the differences in length scales
@@ -99,9 +99,7 @@ class Kernel:
         by_square = weights * (self.rough * 5 / 3 * (1 + r) * decay)
         return np.array(
             [
-                self.constant * weights.sum(),
-                self.linear * np.sum(weights * product),
-                self.higher * np.sum(weights * _higher(product)),
+                self.higher * np.sum(weights * self._higher(product)),
                 self.rough * np.sum(weights * (1 + r + r**2 / 3) * decay),
                 self.noise * np.trace(weights),
                 *(np.sum(by_square * square) for square in squares),
@@ -109,8 +107,7 @@ class Kernel:
         )
 
     def _trend(self, product: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.constant + self.linear * product + self.higher * _higher(product)
+        return VAGUE * (1 + product) + self.higher * self._higher(product)
 
-
-def _higher(product: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(product**2 * (1 + NEXT_DEGREE * product))
+    def _higher(self, product: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray((product / len(self.lengths)) ** 2 * (1 + NEXT_DEGREE * product))

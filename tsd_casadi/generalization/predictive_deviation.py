@@ -76,9 +76,12 @@ def deviation_scale(basis: PeriodicBasis, residuals: Matrix, parameters: int) ->
     Returns:
         Weights of the scale in that basis, (k, L): RMS of the residuals at each
         phase, drawn towards the RMS over the lap and towards one, times the
-        quantile of Student's distribution for so few entries.
+        quantile of Student's distribution for so few entries. One and that where
+        a plane takes all entries: without one of them nothing is predicted.
     """
     n = len(residuals)
+    if n <= parameters + 1:
+        return np.full(residuals.shape[1:], student_factor(n, parameters))
     values = basis.values(lap(basis))
     square = np.mean((residuals @ values.T) ** 2, axis=0)
     pooled = square.mean(axis=1, keepdims=True)

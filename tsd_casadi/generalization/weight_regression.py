@@ -3,7 +3,7 @@ r"""From parameters of a motion to weights by Gaussian process regression [gener
 .. math:: F_{D_b}: \kappa \mapsto w
 
 A process for each axis over all parameters that differ, shared by the weights of the
-axis: a trend of third degree and what is left of it, see ``kernel``. Parameters that
+axis: a plane, a trend of third degree and what is left of both, see ``kernel``. Parameters that
 cannot be negative count by their ratios unless that is clearly less probable. How much
 there is of what, the entries say; with a handful of them it is little more than a
 plane. Entries that the others contradict are left out and named.
@@ -99,7 +99,7 @@ class WeightRegression:
         targets = np.stack(weights, axis=1)  # (k, n, L)
         self._mean = targets.mean(axis=1)
         # of each axis one spread for all: what hardly varies has nothing to say of the kernel
-        spread = np.sqrt(np.mean(targets.var(axis=1), axis=1))
+        spread = np.sqrt(np.mean(targets.var(axis=1), axis=1)) / _width(inputs)
         self._spread = np.where(spread > 0, spread, 1.0)
         targets = (targets - self._mean[:, None]) / self._spread[:, None, None]
         self._fit(inputs, targets, self._noise(targets.shape[:2], uncertainties))
@@ -237,6 +237,15 @@ class WeightRegression:
             if each is not None:
                 noise[:, index] = np.mean((each / self._spread[:, None]) ** 2, axis=1)
         return noise
+
+
+def _width(inputs: Matrix) -> float:
+    """Compute how far apart entries lie, 1 for many that fill the learned range evenly.
+
+    Weights of a plane at the two ends of a range differ more than at many places between.
+    """
+    low, high = inputs.min(axis=0), inputs.max(axis=0)
+    return float(np.sqrt(12 * np.mean(((inputs - low) / (high - low)).var(axis=0))))
 
 
 def _sample(count: int) -> Indices:
