@@ -9,6 +9,7 @@ import pytest
 from scipy.interpolate import LinearNDInterpolator
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.steadiness import ABSOLUTE_TOLERANCE
 from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
 from tsd_casadi.generalization import weight_regression
 from tsd_casadi.generalization.kernel import NEXT_DEGREE
@@ -87,7 +88,9 @@ class ClosedForm:
 
     def predict(self, x: np.ndarray, used: np.ndarray) -> tuple[np.ndarray, float]:
         """Mean, and standard deviation in units of the spread, from some entries."""
-        K = self.covariance(self.x[used], self.x[used]) + self.kernel.noise * np.eye(used.sum())
+        # entries are known no better than laps that agree are
+        noise = self.kernel.noise + (ABSOLUTE_TOLERANCE / self.spread) ** 2
+        K = self.covariance(self.x[used], self.x[used]) + noise * np.eye(used.sum())
         k = self.covariance(x[None], self.x[used])[0]
         mean = self.center + k @ np.linalg.solve(K, self.y[used] - self.center)
         variance = self.covariance(x[None], x[None])[0, 0] - k @ np.linalg.solve(K, k)
