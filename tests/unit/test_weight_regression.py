@@ -77,6 +77,8 @@ class ClosedForm:
         self.y = np.stack([learned(place, seed)[axis] for place in places])
         self.center = self.y.mean(axis=0)
         self.spread = np.sqrt(np.mean(self.y.var(axis=0)))
+        # entries are known no better than laps that agree are
+        self.known = (ABSOLUTE_TOLERANCE / self.spread) ** 2
 
     def covariance(self, one: np.ndarray, other: np.ndarray) -> np.ndarray:
         k = self.kernel
@@ -88,8 +90,7 @@ class ClosedForm:
 
     def predict(self, x: np.ndarray, used: np.ndarray) -> tuple[np.ndarray, float]:
         """Mean, and standard deviation in units of the spread, from some entries."""
-        # entries are known no better than laps that agree are
-        noise = self.kernel.noise + (ABSOLUTE_TOLERANCE / self.spread) ** 2
+        noise = self.kernel.noise + self.known
         K = self.covariance(self.x[used], self.x[used]) + noise * np.eye(used.sum())
         k = self.covariance(x[None], self.x[used])[0]
         mean = self.center + k @ np.linalg.solve(K, self.y[used] - self.center)
@@ -106,7 +107,8 @@ class ClosedForm:
         for i in range(n):
             others = everything.copy()
             others[i] = False
-            left_out, expected = self.predict(self.x[i], others)
+            left_out, unlearned = self.predict(self.x[i], others)
+            expected = np.hypot(unlearned, np.sqrt(self.known))
             squares.append((psi @ (self.y[i] - left_out) / expected / self.spread) ** 2)
         square = np.mean(squares, axis=0)
         square = (n * square + 4 * square.mean() + 1) / (n + 5)
