@@ -372,6 +372,9 @@ class Scripted:
         ([8.0, 1.0, 2.0, 1.0, 0.5, 0.49, 0.49], 3, 7),  # worse, the best again, better
         ([8.0, 1.0, 2.0, 1.0, 1.5, 0.5, 0.25], 3, 5),
         ([8.0, 8.0, 8.0, 8.0, 8.0, 8.0, 8.0], None, 7),
+        # nothing to learn from the first one on
+        ([8.0, 8.0, 8.0, 8.0, 8.0, 8.0, 8.0], 2, 3),
+        ([8.0, 8.0, 7.8, 7.8, 7.8, 7.8, 7.8], 2, 5),
     ],
 )
 def test_patience_ends_when_nothing_becomes_better(

@@ -104,6 +104,17 @@ def test_axes_and_numbers_are_looked_at(own: Feedforward, robot: Robot) -> None:
         check_served(absurd, robot, SQUAT)
 
 
+def test_what_is_looked_at_over_other_axes_is_bounded_along_each(
+    own: Feedforward, robot: Robot
+) -> None:
+    more = own.over(("com.x", "com.z"))
+    check_served(more, robot, SQUAT)
+    weights = more.weights.copy()
+    weights[0] = 0.1
+    with pytest.raises(IncompatibleEntry, match=r"reaches 0\.1 .* along com\.x, more than 0"):
+        check_served(replace(more, weights=weights), robot, SQUAT)
+
+
 def test_rounding_and_what_nobody_wrote_down_are_not_held_against_it(
     own: Feedforward, robot: Robot
 ) -> None:
@@ -116,6 +127,8 @@ def test_rounding_and_what_nobody_wrote_down_are_not_held_against_it(
     ("changes", "gains", "correction", "words"),
     [
         ({}, Gains.critical(0.2), "", "learned at P = 50, used at 10"),
+        ({"gains": {"P": [50.0], "D": [10.0]}}, UNCHANGED, "", "learned at D = 10, used at 14"),
+        ({"gains": {"P": [50.0, 50.0]}}, UNCHANGED, "", "learned at P = 50, used at 50"),
         ({}, UNCHANGED, "c0ffee123", "the model's own, used with the corrected"),
         ({"correction": "c0ffee123"}, UNCHANGED, "", "centre of mass c0ffee, used with the model"),
         ({"body": ""}, UNCHANGED, "", "nobody wrote down"),

@@ -142,6 +142,16 @@ def test_hardware_that_nobody_wrote_down_starts_no_epoch(
     assert entry.epoch == 0
 
 
+def test_a_recording_without_hardware_does_not_hide_that_of_before(database: Database) -> None:
+    applied = np.zeros((1, BASIS.L))
+    epochs = []
+    for setting in (IDEAL, {}, IDEAL, {}, {**IDEAL, "model_error": 0.03}):
+        entry, _ = database.record(recording(setting=setting, applied=applied, sign=0.0))
+        applied = applied + 1e-3
+        epochs.append(entry.epoch)
+    assert epochs == [0, 0, 0, 0, 1]
+
+
 def test_gains_separate_errors_but_not_what_is_served(database: Database) -> None:
     stiff, _ = database.record(recording(P=50.0, error=1e-3))
     served = database.query("squat", **SQUAT)

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.steadiness import ABSOLUTE_TOLERANCE
+from tsd_casadi.exceptions import OutsideTrainedRange
 from tsd_casadi.generalization.weight_regression import WeightRegression
 from tsd_casadi.motions.squat import Squat
 
@@ -87,3 +89,36 @@ def test_most_of_the_entries_are_kept() -> None:
     rng = np.random.default_rng(0)
     noise = [learned(place) + rng.normal(size=(2, BASIS.L)) for place in PLACES]
     assert len(regression(PLACES, noise).disagreeing) <= len(PLACES) // 4
+
+
+@pytest.mark.parametrize("size", [1e-9, 0.5 * ABSOLUTE_TOLERANCE])
+def test_what_no_lap_tells_apart_is_no_contradiction(size: float) -> None:
+    # along the second axis nothing is needed, and rounding is all that there is
+    weights = [learned(place) * ((1.0,), (0.0,)) for place in PLACES]
+    weights[0][1] = size
+    assert regression(PLACES, weights).disagreeing == {}
+
+
+def test_what_laps_tell_apart_is_one() -> None:
+    weights = [learned(place) * ((1.0,), (0.0,)) for place in PLACES]
+    weights[4][1] = 50 * ABSOLUTE_TOLERANCE
+    assert list(regression(PLACES, weights).disagreeing) == [4]
+
+
+def test_rounding_along_one_axis_hides_no_wrong_entry_along_another() -> None:
+    weights = [learned(place) * ((1.0,), (0.0,)) for place in PLACES]
+    for index in (0, 2, 5):
+        weights[index][1] = 1e-9 * (index + 1)
+    places = np.vstack([PLACES, PLACES[4] + (1e-6, 0.0)])
+    assert list(regression(places, [*weights, -weights[4]]).disagreeing) == [len(PLACES)]
+
+
+def test_what_was_left_out_does_not_widen_the_learned_range() -> None:
+    weights = [learned(place) for place in PLACES]
+    far = np.array([0.16, 0.4])
+    found = regression(np.vstack([PLACES, far]), [*weights, -40 * learned(far)])
+    assert list(found.disagreeing) == [len(PLACES)]
+    found.predict({"amplitude": 0.08, "frequency": 0.4})
+    with pytest.raises(OutsideTrainedRange, match=r"0\.02 to 0\.08 m"):
+        found.predict({"amplitude": 0.12, "frequency": 0.4})
+    found.predict({"amplitude": 0.12, "frequency": 0.4}, extrapolate=True)

@@ -11,6 +11,7 @@ import pytest
 from tsd_casadi.encoding.laps import Lap
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
 from tsd_casadi.learning.axis_error import AxisError
+from tsd_casadi.learning.bound import MOST_OF_RECORDED, RECORDED
 from tsd_casadi.learning.circumstances import Circumstances
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
@@ -141,6 +142,19 @@ def test_the_day_the_load_returns_its_feedforward_is_taken_again() -> None:
     assert robot.epoch == 2
 
 
+def test_what_is_taken_again_is_bounded_by_what_was_recorded_with_it() -> None:
+    robot = Robot()
+    robot.repeat(1.0, 6)
+    robot.repeat(0.3, 5)
+    robot.repeat(1.0)
+    entry = robot.entry
+    assert entry is not None
+    assert (entry.served.epoch, entry.served.errors) == (2, None)
+    # offset and ripple
+    assert entry.bound.largest[0] == pytest.approx(MOST_OF_RECORDED * 1.2, rel=0.05)
+    assert entry.bound.reason == RECORDED
+
+
 def test_another_load_is_not_taken_for_an_old_one() -> None:
     robot = Robot()
     robot.repeat(1.0, 6)
@@ -168,6 +182,25 @@ def test_learning_that_overshoots_is_no_other_robot(gain: float) -> None:
     robot.repeat(1.0, 16)
     assert robot.epoch == 0
     assert min(robot.errors[-2:]) < 0.1 * robot.errors[0]
+
+
+@pytest.mark.parametrize("small", [0.05, 0.2, 1.0])
+def test_an_axis_that_overshoots_beside_one_that_does_not_is_no_other_robot(small: float) -> None:
+    # gain 7 alone is none either, see above: each axis has its own answer
+    axes, answers, needed = ("com.x", "com.z"), np.array([7.0, 1.0]), np.array([small, 1.0])
+    key = EntryKey.of("r", "squat", "1", axes, {"amplitude": 0.03, "frequency": 0.5})
+    entry = Entry(key, BASIS, Circumstances({"P": [P, P], "D": [14.0, 14.0]}))
+    applied, errors = np.zeros((2, BASIS.L)), []
+    for _ in range(20):
+        missing = np.outer(needed, 1 + 0.2 * np.sin(PHASE)) - BASIS.evaluate(PHASE, applied)
+        laps = [Lap(PHASE, answers[:, None] * missing)] * 4
+        rms = np.sqrt(np.mean(laps[0].feedback ** 2, axis=1)) / P
+        found = {axis: AxisError(error) for axis, error in zip(axes, rms.tolist(), strict=True)}
+        entry.add(Recording(key, BASIS, applied, laps, found, entry.circumstances))
+        applied = entry.served.weights
+        errors.append(rms[0])
+    assert entry.epoch == 0
+    assert min(errors[-2:]) < 0.1 * errors[0]
 
 
 def test_other_gains_are_no_other_robot() -> None:

@@ -115,6 +115,24 @@ def with_gains(**gains: list[float]) -> Callable[[Recording], Recording]:
             ),
             "allowed acceleration of com.z is 0",
         ),
+        (
+            lambda made: replace(
+                made, circumstances=replace(made.circumstances, allowed=[1.0, np.inf, 1.0])
+            ),
+            "allowed acceleration of com.z is inf",
+        ),
+        (
+            lambda made: replace(
+                made, laps=[Lap(each.phase[:1], each.feedback[:, :1]) for each in made.laps]
+            ),
+            "phase of lap 0 is of shape \\(1,\\)",
+        ),
+        (
+            lambda made: replace(
+                made, laps=[Lap(each.phase[:0], each.feedback[:, :0]) for each in made.laps]
+            ),
+            "phase of lap 0 is of shape",
+        ),
     ],
 )
 def test_what_no_robot_did_is_refused_with_the_reason_and_nothing_is_stored(
@@ -124,6 +142,39 @@ def test_what_no_robot_did_is_refused_with_the_reason_and_nothing_is_stored(
         with pytest.raises(InvalidValue, match=said):
             database.record(change(honest()))
         assert database.entries() == []
+
+
+def wrong_sign(made: Recording) -> Recording:
+    return replace(made, laps=[replace(each, feedback=-each.feedback) for each in made.laps])
+
+
+@pytest.mark.parametrize(
+    "gains", [{"P": [P, P, 0.0], "D": [D] * 3}, {"P": [P] * 3, "D": [0.0, D, D]}]
+)
+def test_an_axis_without_stiffness_hides_no_wrong_sign_beside_it(
+    gains: dict[str, list[float]],
+) -> None:
+    made = replace(honest(), circumstances=Circumstances(gains))
+    P_, D_ = (np.array(gains[name])[:, None] for name in ("P", "D"))
+    rate = 2 * np.pi * FREQUENCY * np.array([[1e-3], [2e-3], [0.01]]) * np.cos(PHASE)
+    made = replace(
+        made,
+        laps=[replace(each, feedback=P_ * each.error + D_ * rate) for each in made.laps],
+    )
+    check_plausible(made)
+    with pytest.raises(InvalidValue, match="what P and D make of the errors"):
+        check_plausible(wrong_sign(made))
+
+
+def test_a_parameter_that_was_left_out_hides_no_wrong_sign(tmp_path: Path) -> None:
+    made = honest()
+    left_out = tuple(each for each in made.key.parameters if each[0] != "frequency")
+    made = replace(made, key=replace(made.key, parameters=left_out))
+    with Database(tmp_path / "d.sqlite") as database:
+        with pytest.raises(InvalidValue, match="what P and D make of the errors"):
+            database.record(wrong_sign(made))
+        assert database.entries() == []
+        database.record(made)
 
 
 @given(st.floats(0, 100), st.integers(26, 400), st.booleans())

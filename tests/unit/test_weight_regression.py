@@ -9,6 +9,7 @@ import pytest
 from scipy.interpolate import LinearNDInterpolator
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.steadiness import ABSOLUTE_TOLERANCE
 from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
 from tsd_casadi.generalization import weight_regression
 from tsd_casadi.generalization.kernel import NEXT_DEGREE, VAGUE
@@ -75,10 +76,12 @@ class ClosedForm:
         self.x, self.coordinates = regression._coordinates.places(inputs), regression._coordinates
         self.y = np.stack([learned(place, seed)[axis] for place in places])
         self.center = self.y.mean(axis=0)
-        # of the slope of a plane: 1 / sqrt(12) is how even values between 0 and 1 scatter
+# of the slope of a plane: 1 / sqrt(12) is how even values between 0 and 1 scatter
         shares = (inputs - inputs.min(axis=0)) / np.ptp(inputs, axis=0)
         width = np.sqrt(12 * np.mean(shares.var(axis=0)))
         self.spread = np.sqrt(np.mean(self.y.var(axis=0))) / width
+        # entries are known no better than laps that agree are
+        self.known = (ABSOLUTE_TOLERANCE / self.spread) ** 2
 
     def covariance(self, one: np.ndarray, other: np.ndarray) -> np.ndarray:
         k = self.kernel
@@ -91,7 +94,8 @@ class ClosedForm:
 
     def predict(self, x: np.ndarray, used: np.ndarray) -> tuple[np.ndarray, float]:
         """Mean, and standard deviation in units of the spread, from some entries."""
-        K = self.covariance(self.x[used], self.x[used]) + self.kernel.noise * np.eye(used.sum())
+        noise = self.kernel.noise + self.known
+        K = self.covariance(self.x[used], self.x[used]) + noise * np.eye(used.sum())
         k = self.covariance(x[None], self.x[used])[0]
         mean = self.center + k @ np.linalg.solve(K, self.y[used] - self.center)
         variance = self.covariance(x[None], x[None])[0, 0] - k @ np.linalg.solve(K, k)
@@ -107,7 +111,8 @@ class ClosedForm:
         for i in range(n):
             others = everything.copy()
             others[i] = False
-            left_out, expected = self.predict(self.x[i], others)
+            left_out, unlearned = self.predict(self.x[i], others)
+            expected = np.hypot(unlearned, np.sqrt(self.known))
             squares.append((psi @ (self.y[i] - left_out) / expected / self.spread) ** 2)
         square = np.mean(squares, axis=0)
         square = (n * square + 4 * square.mean() + 1) / (n + 5)

@@ -22,7 +22,7 @@ from tsd_casadi.learning.context import NOWHERE
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.instruction import USUAL, Instruction
-from tsd_casadi.learning.plausible import check_plausible
+from tsd_casadi.learning.plausible import check_plausible, check_size
 from tsd_casadi.learning.recording import Recording
 
 
@@ -77,10 +77,12 @@ class Database(Reading):
             IncompatibleEntry: If it does not fit the entry.
             DatabaseError: If the entry is damaged, or the file cannot be written.
         """
-        check_plausible(recording)
+        check_size(recording.laps, recording.basis)
         with self._file.transaction("IMMEDIATE"):
             key = recording.key
             recording = complete(recording, self._declaration(key.robot, key.motion, key.version))
+            # with the parameters that have a default: what is said of a motion tells them
+            check_plausible(recording)
             key = recording.key
             entry, notes = self._find(key), []
             if entry is not None and instruction.restart:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
+from tsd_casadi.encoding.steadiness import ABSOLUTE_TOLERANCE
 from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
 from tsd_casadi.generalization.coordinates import Coordinates
 from tsd_casadi.generalization.disagreement import (
@@ -56,8 +57,8 @@ class WeightRegression:
     Attributes:
         declaration: What is said of the motion.
         names: Names of the parameters, d of them.
-        low: Smallest learned value of each, (d,).
-        high: Largest learned value of each, (d,).
+        low: Smallest learned value of each among the entries that count, (d,).
+        high: Largest learned value of each among them, (d,).
         disagreeing: By how many standard deviations entries are off that the
             others contradict, by their index; they are left out.
     """
@@ -94,8 +95,6 @@ class WeightRegression:
         self.declaration = declaration
         self.names = tuple(names)
         self.basis = basis
-        self.low: Vector = inputs.min(axis=0)
-        self.high: Vector = inputs.max(axis=0)
         targets = np.stack(weights, axis=1)  # (k, n, L)
         self._mean = targets.mean(axis=1)
         # of each axis one spread for all: what hardly varies has nothing to say of the kernel
@@ -103,6 +102,10 @@ class WeightRegression:
         self._spread = np.where(spread > 0, spread, 1.0)
         targets = (targets - self._mean[:, None]) / self._spread[:, None, None]
         self._fit(inputs, targets, self._noise(targets.shape[:2], uncertainties))
+        # what was left out is no evidence of what is needed near it
+        counting = np.delete(inputs, list(self.disagreeing), axis=0)
+        self.low: Vector = counting.min(axis=0)
+        self.high: Vector = counting.max(axis=0)
 
     def _fit(self, inputs: Matrix, targets: Matrix, noise: Matrix) -> None:
         sample = _sample(len(inputs))
@@ -232,10 +235,13 @@ class WeightRegression:
         self, shape: tuple[int, ...], uncertainties: Sequence[Matrix | None] | None
     ) -> Matrix:
         """Compute the variance of the noise that is known to be there, (k, n)."""
-        noise = np.zeros(shape)
+        # nothing is known better than laps that agree do: where an axis hardly moves, rounding is
+        # neither a signal nor a contradiction
+        noise = np.tile((ABSOLUTE_TOLERANCE / self._spread[:, None]) ** 2, (1, shape[1]))
         for index, each in enumerate(uncertainties or ()):
             if each is not None:
-                noise[:, index] = np.mean((each / self._spread[:, None]) ** 2, axis=1)
+                known = np.mean((each / self._spread[:, None]) ** 2, axis=1)
+                noise[:, index] = np.maximum(noise[:, index], known)
         return noise
 
 

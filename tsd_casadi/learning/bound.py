@@ -94,6 +94,14 @@ class Bound:
             f"the largest bound of the entries used, each {RECORDED}, and {ALLOWED} where known",
         )
 
+    def over(self, rows: Sequence[int | None]) -> Bound:
+        """Give the same for other axes: nothing may be along those that it does not know.
+
+        Args:
+            rows: Place of each axis among those of today, None if it is not among them.
+        """
+        return Bound(tuple(0.0 if row is None else self.largest[row] for row in rows), self.reason)
+
     def apply(self, weights: Matrix, basis: PeriodicBasis) -> Matrix:
         """Shrink what is too large, each axis as a whole: its shape stays.
 

@@ -19,6 +19,7 @@ from tsd_casadi.learning.epochs import (
     about_change,
     about_hardware,
     about_rest,
+    hardware_of,
     is_other_hardware,
     newest_epoch,
     recall,
@@ -149,8 +150,8 @@ class Entry:
         """
         instruction.rule.check(recording)
         notes = self._compare(recording)
-        before, now = self.circumstances.hardware, recording.circumstances.hardware
-        is_other = is_other_hardware(self.iterations, before, now)
+        before, now = hardware_of(self.iterations), recording.circumstances.hardware
+        is_other = is_other_hardware(before, now)
         self.circumstances = recording.circumstances
         self.declaration = recording.declaration or self.declaration
         self.rule = instruction.rule
@@ -177,7 +178,7 @@ class Entry:
             )
         elif instruction.update:
             self.iterations.append(
-                self._learn(used, fitted) if recalled is None else self._copy(recalled)
+                self._learn(used, fitted) if recalled is None else self._recall(recalled)
             )
         return notes
 
@@ -234,6 +235,10 @@ class Entry:
             return used
         self.iterations.append(replace(self._copy(used), epoch=epoch))
         return self.iterations[-1]
+
+    def _recall(self, recalled: Iteration) -> Iteration:
+        """Take an iteration again; what its repetition showed says how large it may be."""
+        return replace(self._copy(recalled), learned_from=recalled.number)
 
     def _copy(self, iteration: Iteration) -> Iteration:
         """Make the next iteration of weights that were there before."""

@@ -36,17 +36,23 @@ def shows_change(
     return any(item.gains == gains and seen.differs_from_parent(item) for item in parents)
 
 
-def is_other_hardware(
-    iterations: Sequence[Iteration], before: Mapping[str, Any], now: Mapping[str, Any]
-) -> bool:
+def hardware_of(iterations: Sequence[Iteration]) -> dict[str, Any]:
+    """Tell of which hardware a simulation was in the newest epoch; nothing if nobody said.
+
+    A test of which nobody said it, on a real robot for instance, does not hide the others.
+    """
+    tests = [item.circumstances for item in since_change(iterations) if item.circumstances]
+    return next((made.hardware for made in reversed(tests) if made.hardware), {})
+
+
+def is_other_hardware(before: Mapping[str, Any], now: Mapping[str, Any]) -> bool:
     """Say whether a simulation was told to be of another robot than in the newest epoch.
 
     Args:
-        before: What the setting of the newest recording says; nothing if nobody did.
-        now: The same of the one that is taken in.
+        before: Hardware of the newest epoch; nothing if nobody said.
+        now: That of the recording that is taken in.
     """
-    is_tested = any(item.errors is not None for item in iterations)
-    return is_tested and bool(before) and bool(now) and before != now
+    return bool(before) and bool(now) and before != now
 
 
 def recall(

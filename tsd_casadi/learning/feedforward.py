@@ -84,6 +84,7 @@ class Feedforward:
             weights=pick(self.weights),
             standard_deviations=pick(self.standard_deviations),
             bands=tuple(replace(band, half_width=pick(band.half_width)) for band in self.bands),
+            bound=None if self.bound is None else self.bound.over(rows),
         )
 
     @property

@@ -39,8 +39,9 @@ class Iteration:
         feedback: What its feedback added, fitted, (k, L) [m/s^2].
         error_weights: Its position error, fitted, (k, L) [m]; None if unknown.
         reference_weights: Its reference, fitted, (k, L) [m]; None if unknown.
-        learned_from: Number of the iteration whose repetition it was learned
-            from, None if it came from elsewhere or is not known.
+        learned_from: Number of the iteration whose repetition it was learned from, or
+            of an earlier epoch's that it is again; None if it came from elsewhere or is
+            not known.
     """
 
     number: int

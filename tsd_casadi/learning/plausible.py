@@ -15,7 +15,6 @@ from tsd_casadi.exceptions import InvalidValue
 from tsd_casadi.learning.axis_error import AxisError, unit_of_axis
 from tsd_casadi.learning.bound import LARGEST_ACCELERATION
 from tsd_casadi.learning.circumstances import Circumstances
-from tsd_casadi.learning.feedback_loop import find_loop
 from tsd_casadi.learning.recording import Recording
 from tsd_casadi.state import Matrix, Vector
 
@@ -86,6 +85,10 @@ def check_phase(phase: Vector, basis: PeriodicBasis, name: str) -> None:
     Raises:
         InvalidValue: If they do not advance, leave a gap or are of no whole lap.
     """
+    if phase.ndim != 1 or phase.size < 2:
+        raise InvalidValue(
+            f"phase of {name}", f"of shape {phase.shape}", "one number for each of many samples"
+        )
     # an advance of more than half a lap from one sample to the next is one backwards
     steps = (np.diff(phase) + np.pi) % (2 * np.pi) - np.pi
     # a function without a sample near its centre has any weight
@@ -168,7 +171,7 @@ def check_circumstances(circumstances: Circumstances, axes: Sequence[str]) -> No
             "allowed accelerations", len(allowed), f"one of each of {', '.join(axes)}, or none"
         )
     for axis, acceleration in zip(axes, allowed, strict=False):
-        if not acceleration > 0:
+        if not 0 < acceleration < np.inf:
             raise InvalidValue(f"allowed acceleration of {axis}", acceleration, "one above 0")
     for name, largest in LARGEST_GAIN.items():
         for gain in gains.get(name, ()):
@@ -218,11 +221,13 @@ def check_feedback_law(recording: Recording) -> None:
         InvalidValue: If it has another sign or another size.
     """
     axes = recording.key.axes
-    loop = find_loop(axes, dict(recording.key.parameters), recording.circumstances.gains)
-    if loop is None:
+    frequency = dict(recording.key.parameters).get("frequency", 0.0)
+    gains = recording.circumstances.gains
+    if not (frequency > 0 and gains.get("P") and gains.get("D")):
         return
-    omega = 2 * np.pi * loop.frequency
-    P, D = np.array(loop.P)[:, None], np.array(loop.D)[:, None]
+    # an axis without stiffness or damping obeys it as well, and hides no other
+    P, D = (np.array(gains[name])[:, None] for name in ("P", "D"))
+    omega = 2 * np.pi * frequency
     parts = min(recording.basis.L, PARTS)
     for number, lap in enumerate(recording.laps):
         if lap.error is None:

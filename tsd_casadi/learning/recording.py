@@ -69,7 +69,7 @@ class Recording:
         k = len(self.key.axes)
         _check("the applied weights", self.applied, (k, self.basis.L))
         for index, lap in enumerate(self.laps):
-            _check(f"lap {index}", lap.phase, lap.phase.shape)
+            _check(f"the phase of lap {index}", lap.phase, (lap.phase.size,))
             for values in (lap.feedback, lap.error, lap.reference):
                 if values is not None:
                     _check(f"lap {index}", values, (k, lap.phase.size))

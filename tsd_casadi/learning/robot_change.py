@@ -1,8 +1,8 @@
 r"""Evidence that the robot is another one than before: a load, a repair.
 
 Weights that were tested before do otherwise now, or new ones leave more than was
-there before them. Learning that overshoots leaves a multiple of the change that was
-made; what is told apart is the rest
+there before them. Learning that overshoots along an axis leaves a multiple of the change
+that was made there, each axis its own; what is told apart is the rest
 
 .. math:: r = f - c \, \Delta u, \qquad c = \arg\min_{|c| \le 10} \| f - c \Delta u \|
 
@@ -77,11 +77,11 @@ class Observation:
         if parent.feedback is None:
             return False
         change, feedback = self.applied - parent.weights, self.fitted.feedback
-        size = power_of(change, self.basis).sum()
+        size = power_of(change, self.basis)
         shared = power_of(change + feedback, self.basis) - power_of(change - feedback, self.basis)
-        answer = float(shared.sum() / 4 / size) if size > 0 else 0.0
-        answer = min(max(answer, -LARGEST_ANSWER), LARGEST_ANSWER)
-        rest = power_of(feedback - answer * change, self.basis)
+        answer = np.divide(shared / 4, size, out=np.zeros_like(size), where=size > 0)
+        answer = np.clip(answer, -LARGEST_ANSWER, LARGEST_ANSWER)
+        rest = power_of(feedback - answer[:, None] * change, self.basis)
         return self._any_beyond(rest, self._noise(), power_of(parent.feedback, self.basis))
 
     def distance_to(self, test: Iteration) -> float:

@@ -89,27 +89,39 @@ def name_borrowed(
                 f"learned with {_corrected(context['correction'])}, used with "
                 f"{_corrected(correction)}"
             )
-    used_at = _stiffness(controller, feedforward.axes, gains)
     # of a generalised term those of each entry
     of_entries = told.get("gains", {})
     of_entries = of_entries if isinstance(of_entries, list) else [of_entries]
-    others = [
-        _numbers(each["P"])
-        for each in of_entries
-        if "P" in each and not np.allclose(each["P"], used_at, rtol=SAME)
-    ]
-    if others:
-        learned_at = " and ".join(dict.fromkeys(others))
-        reasons.append(f"learned at P = {learned_at}, used at {_numbers(used_at)}")
+    for gain, used_at in _gains(controller, feedforward.axes, gains).items():
+        others = [
+            _numbers(each[gain])
+            for each in of_entries
+            if gain in each and not _are_same(each[gain], used_at)
+        ]
+        if others:
+            learned_at = " and ".join(dict.fromkeys(others))
+            reasons.append(f"learned at {gain} = {learned_at}, used at {_numbers(used_at)}")
     return f"the feedforward {', '.join(reasons)}" if reasons else None
 
 
-def _stiffness(controller: WholeBodyController, axes: Sequence[str], gains: Gains) -> list[float]:
+def _are_same(some: Sequence[float], others: Sequence[float]) -> bool:
+    return len(some) == len(others) and np.allclose(some, others, rtol=SAME)
+
+
+def _gains(
+    controller: WholeBodyController, axes: Sequence[str], gains: Gains
+) -> dict[str, list[float]]:
     command, known = controller.command(), controller.format
     for task in dict.fromkeys(axis.rpartition(".")[0] for axis in axes):
         gains.scale(command, task)
     pairs = [axis.rpartition(".")[::2] for axis in axes]
-    return [float(command[f"{task}.P"][known.component_index(task, axis)]) for task, axis in pairs]
+    return {
+        gain: [
+            float(command[f"{task}.{gain}"][known.component_index(task, axis)])
+            for task, axis in pairs
+        ]
+        for gain in ("P", "D")
+    }
 
 
 def _from(entries: Sequence[int]) -> str:

@@ -177,7 +177,7 @@ def learn(
 
 def _has_converged(errors: list[float], patience: int | None) -> bool:
     """Say whether the last repetitions brought nothing beyond the best one before."""
-    if patience is None or len(errors) <= patience + 1:
+    if patience is None or len(errors) <= patience:
         return False
     return min(errors[-patience:]) > (1 - WORTHWHILE) * min(errors[:-patience])
 
