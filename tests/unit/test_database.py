@@ -11,6 +11,7 @@ from collections.abc import Callable
 from contextlib import closing, suppress
 from dataclasses import asdict, replace
 from functools import partial
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
@@ -282,6 +283,72 @@ def test_entries_are_told_apart_by_all_of_their_key(database: Database) -> None:
     assert [entry.identifier for entry in database.entries("mini")] == [2]
     assert [entry.identifier for entry in database.entries(motion="sway")] == [6]
     assert database.entries("mini", "sway") == []
+
+
+def in_order(axes: tuple[str, ...], amplitude: float = 0.03, **changes: Any) -> Recording:
+    """A repetition that needed another feedback along each axis, named in some order."""
+    share = {"com.z": 1.0, "com.x": 0.25, "torso.rz": -0.5}
+    rows = np.array([share[axis] for axis in axes])[:, None]
+    made = recording(amplitude, axes=axes, **changes)
+    told = {"P": [50 * abs(share[axis]) for axis in axes], "D": [14.0] * len(axes)}
+    return replace(
+        made,
+        laps=[replace(lap, feedback=rows * lap.feedback) for lap in made.laps],
+        circumstances=replace(
+            made.circumstances, gains=told, allowed=[10 + share[axis] for axis in axes]
+        ),
+    )
+
+
+@pytest.mark.parametrize("axes", list(permutations(("com.z", "com.x", "torso.rz"))))
+def test_the_order_in_which_axes_are_named_is_none_of_an_entry(
+    database: Database, axes: tuple[str, ...]
+) -> None:
+    usual = ("com.z", "com.x", "torso.rz")
+    first, _ = database.record(in_order(usual))
+    learned = first.served.weights
+    order = [usual.index(axis) for axis in axes]
+    again, _ = database.record(
+        in_order(axes, applied=learned[order], error=1e-4), told(update=False)
+    )
+    assert again.identifier == first.identifier
+    assert (again.key, again.circumstances) == (first.key, first.circumstances)
+    # the same weights are the same iteration, tested now
+    assert [(each.number, each.errors is None) for each in again.iterations] == [
+        (0, False),
+        (1, False),
+    ]
+    np.testing.assert_array_equal(again.served.weights, learned)
+    database.record(in_order(axes, 0.05))
+    predicted = database.query("squat", axes=axes, amplitude=0.04, frequency=0.25)
+    assert predicted.provenance["entries"] == [1, 2]
+    assert predicted.axes == usual
+    np.testing.assert_allclose(predicted.weights[1], 0.25 * predicted.weights[0], rtol=1e-6)
+
+
+def test_entries_of_two_orders_from_elsewhere_do_not_keep_each_other_from_answering(
+    database: Database, tmp_path: Path
+) -> None:
+    for amplitude in (0.02, 0.04):
+        database.record(in_order(("com.z", "com.x"), amplitude))
+    with Database(tmp_path / "other.sqlite") as other:
+        other.record(in_order(("com.x", "com.z"), 0.02))
+        other.export(tmp_path / "other.json")
+    database.import_(tmp_path / "other.json")
+    found = database.query("squat", axes=("com.x", "com.z"), amplitude=0.03, frequency=0.25)
+    assert found.provenance["entries"] == [1, 2]
+
+
+@pytest.mark.parametrize("kind", ["learned", "generalised"])
+def test_who_asks_for_fewer_axes_than_were_learned_is_told_so(
+    database: Database, kind: str
+) -> None:
+    database.record(recording(axes=("com.z", "com.x")))
+    with pytest.raises(EntryNotFound) as caught:
+        database.query("squat", kind=kind, axes=("com.z",), **SQUAT)
+    asked, _, there = str(caught.value).partition("there is ")
+    assert "along com.z" in asked and "com.x" not in asked
+    assert there.startswith("squat amplitude=0.03 frequency=0.25 height=0 along com.z, com.x.")
 
 
 def test_restart_forgets_only_that_entry(database: Database) -> None:

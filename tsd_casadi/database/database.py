@@ -81,6 +81,8 @@ class Database(Reading):
         with self._file.transaction("IMMEDIATE"):
             key = recording.key
             recording = complete(recording, self._declaration(key.robot, key.motion, key.version))
+            # whoever names the same axes in another order learns the same
+            recording = recording.along(self._index.known_order(recording.key))
             key = recording.key
             entry, notes = self._find(key), []
             if entry is not None and instruction.restart:
