@@ -12,12 +12,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 
 from tsd_casadi import __version__
 from tsd_casadi.database.database import Database
 from tsd_casadi.motions.catalogue import shipped_motions
 from tsd_casadi.robot import description_path
+from tsd_casadi.robot.robot import Robot
 from tsd_cli import command_line
 from tsd_cli.actions import robots
 from tsd_clients.console.table import console
@@ -502,6 +504,20 @@ def test_a_check_ends_with_the_commands_that_come_next(
     assert lines[-1].strip() == f"tsd learn {rest} --rule stable --iterations 2"
     done = tsd("robot", "check", str(apart), "--no-pictures", "--json", "-")
     assert json.loads(done.out)["works"]
+
+
+@pytest.mark.parametrize("can_draw", [True, False])
+def test_pictures_of_a_check_say_nothing_between_the_json(
+    robot: Robot, tsd: Tsd, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, can_draw: bool
+) -> None:
+    def drawn(_: Robot, postures: Any) -> Any:
+        return np.zeros((len(postures), 4, 4, 3), np.uint8) if can_draw else None
+
+    monkeypatch.setattr("tsd_cli.actions.examination.render_postures", drawn)
+    folder = str(tmp_path / "check")
+    done = tsd("robot", "check", str(robot.path), "--out", folder, "--json", "-")
+    assert json.loads(done.out)["works"]
+    assert (folder in done.err) is can_draw
 
 
 def test_the_readme_has_every_exit_code(tsd: Tsd) -> None:
