@@ -500,6 +500,15 @@ def test_an_entry_that_the_others_contradict_is_named(database: Database) -> Non
     assert before.provenance["disagreeing"] == []
 
 
+def test_what_is_generalised_says_of_which_robots_it_is(database: Database) -> None:
+    settings = [{"model_error": 0.1, "seed": 3}, {"model_error": 0.2, "seed": 4}, {}]
+    for amplitude, setting in zip((0.02, 0.04, 0.06), settings, strict=True):
+        database.record(recording(amplitude, circumstances=replace(MADE, setting=setting)))
+    found = database.query("squat", amplitude=0.05, frequency=0.25)
+    assert found.provenance["entries"] == [1, 2, 3]
+    assert found.provenance["hardware"] == [{"model_error": 0.1}, {"model_error": 0.2}, {}]
+
+
 def test_generalised_at_the_end_of_the_range_would_be_an_extrapolation(trained: Database) -> None:
     with pytest.raises(OutsideTrainedRange, match=r"0\.02 to 0\.06 m"):
         trained.query("squat", kind="generalised", amplitude=0.08, frequency=0.25)

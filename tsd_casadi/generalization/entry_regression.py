@@ -100,6 +100,7 @@ class EntryRegressions:
                 for iteration in served
             ],
             "gains": [entry.circumstances.gains for entry in used],
+            "hardware": [entry.circumstances.hardware for entry in used],
             "kernels": dict(zip(others[0].key.axes, regression.kernels, strict=True)),
             "length_scales": regression.length_scales,
             "calibration": regression.calibration,

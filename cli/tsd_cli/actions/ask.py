@@ -7,6 +7,7 @@ import json
 import numpy as np
 
 from tsd_casadi.learning.axis_error import unit_of_axis
+from tsd_casadi.learning.circumstances import tell_differences
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.repetition.record import context_of
 from tsd_casadi.robot.robot import load_robot
@@ -70,6 +71,11 @@ def _print_feedforward(message: FeedforwardMessage) -> None:
         console.print(
             "without entry {entry}: the others contradict it, it is {deviations} standard "
             "deviations off; learn it again, or forget it".format(**left_out)
+        )
+    if differences := tell_differences(feedforward.provenance.get("hardware", ())):
+        console.print(
+            f"those entries were learned on robots that differ ({differences}): learn those of "
+            "the robot of before again, or forget them"
         )
     others = f"; {message.others} entries of others" if message.others else ""
     console.print(f"context {describe_context(message.context)}{others}", highlight=False)
