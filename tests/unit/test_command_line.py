@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,8 +17,13 @@ import numpy as np
 import pytest
 
 from tsd_casadi import __version__
+from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
+from tsd_casadi.center_of_mass.static_chain import StaticChain
 from tsd_casadi.database.database import Database
+from tsd_casadi.exceptions import EntryNotFound
+from tsd_casadi.learning.context import Context
 from tsd_casadi.motions.catalogue import shipped_motions
+from tsd_casadi.repetition.record import context_of
 from tsd_casadi.robot import description_path
 from tsd_casadi.robot.robot import Robot
 from tsd_cli import command_line
@@ -339,6 +345,27 @@ def test_a_motions_parameters_are_options_of_whatever_takes_it(tsd: Tsd, own: st
             assert "--height" not in text
     assert "--amplitude" in tsd("simulate", "--robot", "hermes_lower", "twist", "-h").out
     assert "RADIANS" in tsd("simulate", "twist", "-h").out
+
+
+@pytest.mark.parametrize("is_corrected", [True, False])
+def test_a_question_is_asked_in_the_context_that_is_learned_in(
+    robot: Robot, tsd: Tsd, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_corrected: bool
+) -> None:
+    terms = StaticChain(robot).terms()
+    corrected = CenterOfMassCorrection(robot, terms, np.zeros((terms.size, terms.size)))
+    corrected.save(tmp_path / "com.json")
+    contexts = []
+
+    class Nothing:
+        def query_message(self, motion: str, /, *, context: Context, **_: Any) -> Any:
+            contexts.append(context)
+            raise EntryNotFound("no entry")
+
+    monkeypatch.setattr("tsd_cli.actions.ask.open_learner", lambda _: nullcontext(Nothing()))
+    options = ("--com-correction", str(tmp_path / "com.json")) if is_corrected else ()
+    done = tsd("query", "squat", "--amplitude", "0.03", "--robot", str(robot.path), *options)
+    assert done.err == "error: no entry\n"
+    assert contexts == [context_of(robot, corrected.fingerprint if is_corrected else "")]
 
 
 def test_what_a_motion_of_ones_own_needs_is_asked_for(tsd: Tsd, own: str) -> None:

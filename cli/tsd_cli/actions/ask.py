@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 
+from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
 from tsd_casadi.learning.axis_error import unit_of_axis
 from tsd_casadi.learning.circumstances import tell_differences
 from tsd_casadi.motions.declaration import Declaration
@@ -33,10 +35,14 @@ def ask_feedforward(
     robot: RobotOptions,
     kind: str | None,
     extrapolate: bool,
+    com_correction: Path | None,
     services: ConnectOptions,
     output: JsonOptions,
 ) -> None:
     """Ask for a feedforward and show it.
+
+    Args:
+        com_correction: With which it was learned; None for the model's centre of mass.
 
     Raises:
         TsdError: If the learner has none, or cannot be reached.
@@ -45,6 +51,9 @@ def ask_feedforward(
     loaded = load_robot(robot.robot)
     wanted = asked_motion(motion, loaded)
     axes = chosen_axes(motion, loaded, wanted)
+    correction = ""
+    if com_correction is not None:
+        correction = CenterOfMassCorrection.load(loaded, com_correction).fingerprint
     with open_learner(services) as learner:
         message = learner.query_message(
             wanted.name,
@@ -52,7 +61,7 @@ def ask_feedforward(
             kind=kind,
             extrapolate=extrapolate,
             axes=axes,
-            context=context_of(loaded),
+            context=context_of(loaded, correction),
             version=wanted.version,
             **wanted.parameters,
         )
