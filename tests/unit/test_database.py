@@ -351,6 +351,27 @@ def test_who_asks_for_fewer_axes_than_were_learned_is_told_so(
     assert there.startswith("squat amplitude=0.03 frequency=0.25 height=0 along com.z, com.x.")
 
 
+def test_what_was_served_within_its_bound_is_the_iteration_that_is_tested(path: Path) -> None:
+    at = {"amplitude": 0.03, "frequency": 0.25}
+    small = replace(MADE, allowed=[0.5])  # less than is needed
+    with Database(path) as database:
+        database.record(recording(circumstances=small))
+        served = database.query("squat", **at)
+        tested, _ = database.record(
+            recording(applied=served.weights, circumstances=small), told(update=False)
+        )
+    with Database(path) as database:
+        assert database.verify() == []
+        (kept,) = database.entries()
+    for entry in (tested, kept):
+        assert [(each.number, each.learned_from) for each in entry.iterations] == [
+            (0, None),
+            (1, 0),
+        ]
+        np.testing.assert_array_equal(entry.iterations[1].weights, served.weights)
+        assert entry.iterations[1].errors is not None
+
+
 def test_restart_forgets_only_that_entry(database: Database) -> None:
     entry, _ = database.record(recording())
     database.record(recording(applied=entry.served.weights, error=2e-3))
