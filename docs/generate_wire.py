@@ -339,7 +339,8 @@ about world axes, as rotation vectors. With `standard_deviations` in place of th
 predictive standard deviation at phi. A generalised term has two `bands`: with `half_width` in
 place of the weights the pointwise one is twice that deviation at phi, the simultaneous one half
 the width of a band for whole laps. `disagreeing` of its `provenance` names entries that were left
-out since the others contradict them: `entry`, `parameters` and by how many standard `deviations`.
+out since the others contradict them: `entry`, `parameters` and by how many standard `deviations`;
+`hardware` is what the setting of each entry's newest recording says of the simulated robot.
 JSON schema:
 
 ```json

@@ -372,6 +372,15 @@ def test_fall_is_reported_with_exit_code_3(connect: list[str]) -> None:
     assert json.loads(done.stdout)["fell"]
 
 
+def test_a_fall_while_learning_is_shown_with_exit_code_3(connect: list[str]) -> None:
+    far = ["--amplitude", "0.08", "--frequency", "1", "--model-error", "4", "--p-scale", "0.01"]
+    done = tsd_command("learn", "squat", *far, "--controller", "local", "--json", "-", *connect)
+    assert done.returncode == 3, done.stderr
+    (run,) = json.loads(done.stdout)["runs"]
+    assert run["fell"] and any("not recorded" in note for note in run["notes"])
+    assert "error: the robot fell in squat" in done.stderr
+
+
 def test_interrupted_client_ends_at_once_with_130(connect: list[str]) -> None:
     with RemoteController("hermes_lower", [connect[1]]) as remote:
         before = remote.info().ticks_served

@@ -29,7 +29,13 @@ from tsd_casadi import (
     repeat,
 )
 from tsd_casadi.encoding.laps import Lap
-from tsd_casadi.exceptions import EntryNotFound, InvalidValue, SimulationError, UnknownField
+from tsd_casadi.exceptions import (
+    EntryNotFound,
+    InvalidValue,
+    ServiceUnreachable,
+    SimulationError,
+    UnknownField,
+)
 from tsd_casadi.learning.entry import Entry
 from tsd_casadi.learning.entry_key import EntryKey
 from tsd_casadi.learning.instruction import Instruction
@@ -394,6 +400,41 @@ def test_learning_takes_every_axis_error_off(
         assert asked["context"] == entry.key.context
     declared = memory.recorded[0].declaration
     assert declared == motion.declaration()
+
+
+@pytest.mark.parametrize(
+    ("bias", "error"),
+    [
+        (0.5, ServiceUnreachable("learner", ["tcp/127.0.0.1:7448"], "no reply")),
+        (0.5, KeyboardInterrupt()),
+        (-60.0, None),
+    ],
+    ids=["no learner", "Ctrl-C", "fell"],
+)
+def test_what_was_run_is_told_though_nobody_recorded_it(
+    robot: Robot, controller: Desired, bias: float, error: BaseException | None
+) -> None:
+    class Forgetful(Memory):
+        def record(self, recording: Recording, instruction: Instruction) -> Any:
+            if error is not None and self.recorded:
+                raise error
+            return super().record(recording, instruction)
+
+    told: list[Run] = []
+    kept: list[Run] = []
+    with pytest.raises(SimulationError if error is None else type(error)):
+        learn(
+            Mass(robot, bias=(0.1, -0.2, bias)),
+            controller,
+            [SQUAT],
+            Forgetful(),
+            iterations=2,
+            on_run=lambda run, _: told.append(run),
+            on_abort=kept.append,
+        )
+    (run,) = kept
+    assert len(told) == (0 if error is None else 1)
+    assert (run.aborted, run.fell, run.steady) == ("", error is None, error is not None)
 
 
 def test_a_load_is_said_and_patience_begins_again(robot: Robot, controller: Desired) -> None:

@@ -157,6 +157,11 @@ def test_other_parameters_and_kinds_are_borrowed(own: Feedforward, controller: A
     generalized = replace(own, kind="generalised")
     named = name_borrowed(told(generalized, entries=[1, 2]), SQUAT, controller, UNCHANGED, "")
     assert named == "the feedforward generalised from entries 1, 2"
+    robots = [{"model_error": 0.1}, {"model_error": 0.2}]
+    mixed = told(generalized, entries=[1, 2], hardware=robots)
+    named = name_borrowed(mixed, SQUAT, controller, UNCHANGED, "")
+    assert named is not None
+    assert named.endswith("entries 1, 2, learned on robots that differ (model_error 0.1 or 0.2)")
     each = told(generalized, entries=[1, 2], gains=[{"P": [50.0]}, {"P": [20.0]}, {}])
     named = name_borrowed(each, SQUAT, controller, UNCHANGED, "")
     assert named is not None

@@ -8,16 +8,24 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 
 from tsd_casadi import __version__
+from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
+from tsd_casadi.center_of_mass.static_chain import StaticChain
 from tsd_casadi.database.database import Database
+from tsd_casadi.exceptions import EntryNotFound
+from tsd_casadi.learning.context import Context
 from tsd_casadi.motions.catalogue import shipped_motions
+from tsd_casadi.repetition.record import context_of
 from tsd_casadi.robot import description_path
+from tsd_casadi.robot.robot import Robot
 from tsd_cli import command_line
 from tsd_cli.actions import robots
 from tsd_clients.console.table import console
@@ -339,6 +347,27 @@ def test_a_motions_parameters_are_options_of_whatever_takes_it(tsd: Tsd, own: st
     assert "RADIANS" in tsd("simulate", "twist", "-h").out
 
 
+@pytest.mark.parametrize("is_corrected", [True, False])
+def test_a_question_is_asked_in_the_context_that_is_learned_in(
+    robot: Robot, tsd: Tsd, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_corrected: bool
+) -> None:
+    terms = StaticChain(robot).terms()
+    corrected = CenterOfMassCorrection(robot, terms, np.zeros((terms.size, terms.size)))
+    corrected.save(tmp_path / "com.json")
+    contexts = []
+
+    class Nothing:
+        def query_message(self, motion: str, /, *, context: Context, **_: Any) -> Any:
+            contexts.append(context)
+            raise EntryNotFound("no entry")
+
+    monkeypatch.setattr("tsd_cli.actions.ask.open_learner", lambda _: nullcontext(Nothing()))
+    options = ("--com-correction", str(tmp_path / "com.json")) if is_corrected else ()
+    done = tsd("query", "squat", "--amplitude", "0.03", "--robot", str(robot.path), *options)
+    assert done.err == "error: no entry\n"
+    assert contexts == [context_of(robot, corrected.fingerprint if is_corrected else "")]
+
+
 def test_what_a_motion_of_ones_own_needs_is_asked_for(tsd: Tsd, own: str) -> None:
     done = tsd("simulate", own, "--controller", "local")
     assert (done.code, done.out) == (2, "")
@@ -502,6 +531,20 @@ def test_a_check_ends_with_the_commands_that_come_next(
     assert lines[-1].strip() == f"tsd learn {rest} --rule stable --iterations 2"
     done = tsd("robot", "check", str(apart), "--no-pictures", "--json", "-")
     assert json.loads(done.out)["works"]
+
+
+@pytest.mark.parametrize("can_draw", [True, False])
+def test_pictures_of_a_check_say_nothing_between_the_json(
+    robot: Robot, tsd: Tsd, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, can_draw: bool
+) -> None:
+    def drawn(_: Robot, postures: Any) -> Any:
+        return np.zeros((len(postures), 4, 4, 3), np.uint8) if can_draw else None
+
+    monkeypatch.setattr("tsd_cli.actions.examination.render_postures", drawn)
+    folder = str(tmp_path / "check")
+    done = tsd("robot", "check", str(robot.path), "--out", folder, "--json", "-")
+    assert json.loads(done.out)["works"]
+    assert (folder in done.err) is can_draw
 
 
 def test_the_readme_has_every_exit_code(tsd: Tsd) -> None:

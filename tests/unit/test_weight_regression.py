@@ -76,7 +76,7 @@ class ClosedForm:
         self.x, self.coordinates = regression._coordinates.places(inputs), regression._coordinates
         self.y = np.stack([learned(place, seed)[axis] for place in places])
         self.center = self.y.mean(axis=0)
-# of the slope of a plane: 1 / sqrt(12) is how even values between 0 and 1 scatter
+        # of the slope of a plane: 1 / sqrt(12) is how even values between 0 and 1 scatter
         shares = (inputs - inputs.min(axis=0)) / np.ptp(inputs, axis=0)
         width = np.sqrt(12 * np.mean(shares.var(axis=0)))
         self.spread = np.sqrt(np.mean(self.y.var(axis=0))) / width

@@ -86,10 +86,11 @@ def by_axes(
         axes: What is asked for: the exact ones first, then those that know most
             of them. The newest first if None.
     """
-    groups: dict[frozenset[str], list[IndexedEntry]] = {}
+    # in one order: of what other software wrote, or an older one, weights do not go together
+    groups: dict[tuple[str, ...], list[IndexedEntry]] = {}
     for entry in entries:
-        known = frozenset(entry.key.axes)
-        if axes is None or known <= set(axes):
+        known = entry.key.axes
+        if axes is None or set(known) <= set(axes):
             groups.setdefault(known, []).append(entry)
 
     def preference(group: list[IndexedEntry]) -> tuple[int, tuple[int, str, int]]:

@@ -93,11 +93,16 @@ class Answers:
         self,
         comparable: Iterable[list[Entry]],
         parameters: Mapping[str, float],
+        axes: Sequence[str] | None,
         regressions: EntryRegressions,
         *,
         extrapolate: bool,
     ) -> Feedforward:
-        """Generalise over the first of the comparable entries that are enough."""
+        """Generalise over the first of the comparable entries that are enough.
+
+        Args:
+            axes: That the entries are comparable for.
+        """
         wanted = dict(self._wanted(parameters))
         first: EntryNotFound | OutsideTrainedRange | None = None
         for entries in comparable:
@@ -111,8 +116,8 @@ class Answers:
             raise first
         motion = self._declaration.motion
         raise EntryNotFound(
-            f"nothing to generalise {describe_motion(motion, wanted.items())} from; there is "
-            f"{self._described()}. Learn some with 'tsd learn {motion}'"
+            f"nothing to generalise {describe_motion(motion, wanted.items())}{_along(axes)} from; "
+            f"there is {self._described(axes)}. Learn some with 'tsd learn {motion}'"
         )
 
     def suggestion(
@@ -129,13 +134,15 @@ class Answers:
         provenance = answering.provenance(used[0].key) if used else {"others": answering.others}
         return replace(place, provenance=provenance, declaration=self._declaration)
 
-    def not_learned(self, parameters: Mapping[str, float]) -> EntryNotFound:
+    def not_learned(
+        self, parameters: Mapping[str, float], axes: Sequence[str] | None
+    ) -> EntryNotFound:
         """Make the error of who asked for an exact entry."""
         motion = self._declaration.motion
         return EntryNotFound(
-            f"no entry for {describe_motion(motion, self._wanted(parameters))}; there is "
-            f"{self._described()}. Learn it with 'tsd learn {motion}', or ask for a generalised "
-            "feedforward"
+            f"no entry for {describe_motion(motion, self._wanted(parameters))}{_along(axes)}; "
+            f"there is {self._described(axes)}. Learn it with 'tsd learn {motion}', or ask "
+            "for a generalised feedforward"
         )
 
     def _wanted(self, parameters: Mapping[str, float]) -> Parameters:
@@ -150,8 +157,12 @@ class Answers:
         provenance = {**feedforward.provenance, **self._answering.provenance(used)}
         return replace(feedforward, provenance=provenance)
 
-    def _described(self) -> str:
-        """Tell people what there is: some of it by name."""
+    def _described(self, axes: Sequence[str] | None) -> str:
+        """Tell people what there is: some of it by name.
+
+        Args:
+            axes: That were asked for.
+        """
         answering = self._answering
         found = [
             each.key
@@ -160,7 +171,11 @@ class Answers:
             for each in self._of(group, MOST_TOLD)
         ]
         elsewhere = f" (and {answering.others} of other contexts)" if answering.others else ""
-        return describe_entries(found, answering.size) + elsewhere
+        return describe_entries(found, answering.size, axes) + elsewhere
+
+
+def _along(axes: Sequence[str] | None) -> str:
+    return f" along {', '.join(axes)}" if axes else ""
 
 
 def _bound(predicted: Feedforward, entries: Sequence[Entry]) -> Bound:

@@ -83,6 +83,8 @@ class Database(Reading):
             recording = complete(recording, self._declaration(key.robot, key.motion, key.version))
             # with the parameters that have a default: what is said of a motion tells them
             check_plausible(recording)
+            # whoever names the same axes in another order learns the same
+            recording = recording.along(self._index.known_order(recording.key))
             key = recording.key
             entry, notes = self._find(key), []
             if entry is not None and instruction.restart:

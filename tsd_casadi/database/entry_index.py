@@ -106,6 +106,20 @@ class EntryIndex:
         found = self.at(key.robot, key.motion, key.parameters)
         return next((each for each in found if each.key == key), None)
 
+    def known_order(self, key: EntryKey) -> tuple[str, ...]:
+        """Order a key's axes as the entries that it is compared with have them.
+
+        Returns:
+            Its own order where that is known, or where none is.
+        """
+        values = (key.robot, key.motion, key.version, *vars(key.context).values())
+        rows = self._file.execute(
+            f"SELECT DISTINCT axes FROM entry_state WHERE {_OF_GROUP}", values
+        )
+        known = [_axes(axes) for (axes,) in rows]
+        same = [axes for axes in known if set(axes) == set(key.axes)]
+        return key.axes if key.axes in same else min(same, default=key.axes)
+
     def of_group(
         self, robot: str, motion: str, version: str, context: Context, most: int
     ) -> list[IndexedEntry]:

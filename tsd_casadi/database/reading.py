@@ -189,10 +189,10 @@ class Reading:
                 if exact is not None:
                     return exact
             if kind == "learned":
-                raise answers.not_learned(parameters)
+                raise answers.not_learned(parameters, axes)
             comparable = answers.comparable(axes)
         return answers.generalize(
-            comparable, parameters, self._regressions, extrapolate=extrapolate
+            comparable, parameters, axes, self._regressions, extrapolate=extrapolate
         )
 
     def suggest(

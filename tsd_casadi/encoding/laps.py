@@ -31,6 +31,13 @@ class Lap:
     reference: Matrix | None = None
     feedforward: Matrix | None = None
 
+    def along(self, order: Sequence[int]) -> Lap:
+        """Take the rows of all signals in another order."""
+        known = (self.feedback, self.error, self.reference, self.feedforward)
+        feedback, *others = (None if each is None else each[list(order)] for each in known)
+        assert feedback is not None
+        return Lap(self.phase, feedback, *others)
+
 
 @dataclass(frozen=True)
 class FittedLaps:

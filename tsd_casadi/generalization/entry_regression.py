@@ -100,6 +100,7 @@ class EntryRegressions:
                 for iteration in served
             ],
             "gains": [entry.circumstances.gains for entry in used],
+            "hardware": [entry.circumstances.hardware for entry in used],
             "kernels": dict(zip(others[0].key.axes, regression.kernels, strict=True)),
             "length_scales": regression.length_scales,
             "calibration": regression.calibration,
@@ -182,13 +183,20 @@ def describe_motion(motion: str, parameters: Iterable[tuple[str, float]]) -> str
     return " ".join([motion, *(f"{name}={value:g}" for name, value in parameters)])
 
 
-def describe_entries(keys: Sequence[EntryKey], size: int) -> str:
+def describe_entries(
+    keys: Sequence[EntryKey], size: int, axes: Collection[str] | None = None
+) -> str:
     """Tell people the motions of some entries.
 
     Args:
         size: Number of all of them.
+        axes: That were asked for: an entry with others beside them does not serve, and says so.
     """
-    told = [describe_motion(key.motion, key.parameters) for key in keys[:MOST_TOLD]]
+    told = []
+    for key in keys[:MOST_TOLD]:
+        beside = axes is not None and not set(key.axes) <= set(axes)
+        along = f" along {', '.join(key.axes)}" if beside else ""
+        told.append(describe_motion(key.motion, key.parameters) + along)
     listed = ", ".join(told) or "nothing yet"
     return f"{listed} and {size - len(told)} more" if size > len(told) else listed
 

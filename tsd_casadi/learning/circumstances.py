@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -32,3 +33,22 @@ class Circumstances:
     def hardware(self) -> dict[str, Any]:
         """What the setting says of the robot itself, as a simulation knows it."""
         return {name: value for name, value in self.setting.items() if name in HARDWARE}
+
+
+def tell_differences(hardware: Sequence[Mapping[str, Any]]) -> str:
+    """Tell people in what simulated robots differ: 'model_error 0.1 or 0.2'.
+
+    Args:
+        hardware: As of ``Circumstances``; nothing is known of a robot that says nothing.
+
+    Returns:
+        Empty if they do not differ.
+    """
+    known = [each for each in hardware if each]
+    told = []
+    for name in dict.fromkeys(name for each in known for name in each):
+        # plain data, a list of effects for instance, has no hash
+        values = list(dict.fromkeys(str(each.get(name, "none")) for each in known))
+        if len(values) > 1:
+            told.append(f"{name} {' or '.join(values)}")
+    return ", ".join(told)

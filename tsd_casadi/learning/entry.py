@@ -288,6 +288,13 @@ class Entry:
         for iteration in since_change(self.iterations):
             if np.max(np.abs(iteration.weights - applied)) < SAME_WEIGHTS:
                 return iteration
+        served = self.served
+        if served.errors is None and (
+            np.max(np.abs(self.bound.apply(served.weights, self.basis) - applied)) < SAME_WEIGHTS
+        ):
+            # served within its bound, and tested so
+            served.weights = applied
+            return served
         # applied from elsewhere, for instance generalised
         number = self.iterations[-1].number + 1
         self.iterations.append(Iteration(number, applied, epoch=self.epoch))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -78,6 +79,27 @@ class Recording:
     def has_positions(self) -> bool:
         """Whether every lap says where the robot was, and where it should have been."""
         return all(lap.error is not None and lap.reference is not None for lap in self.laps)
+
+    def along(self, axes: Sequence[str]) -> Recording:
+        """Put the learned axes into another order, whatever there is of each.
+
+        Args:
+            axes: Those of the key.
+        """
+        order = [self.key.axes.index(axis) for axis in axes]
+        told = self.circumstances
+        return replace(
+            self,
+            key=replace(self.key, axes=tuple(axes)),
+            applied=self.applied[order],
+            laps=[lap.along(order) for lap in self.laps],
+            errors={axis: self.errors[axis] for axis in axes},
+            circumstances=replace(
+                told,
+                gains={name: [each[i] for i in order] for name, each in told.gains.items()},
+                allowed=[told.allowed[i] for i in order] if told.allowed else [],
+            ),
+        )
 
 
 def _check(name: str, values: Matrix, shape: tuple[int, ...]) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tsd_casadi.controller.controller import WholeBodyController
+from tsd_casadi.learning.circumstances import tell_differences
 from tsd_casadi.learning.context import UNKNOWN
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.motion import Motion
@@ -74,6 +75,8 @@ def name_borrowed(
     reasons = []
     if feedforward.kind != "learned":
         reasons.append(feedforward.kind + _from(told.get("entries", ())))
+        if differences := tell_differences(told.get("hardware", ())):
+            reasons.append(f"learned on robots that differ ({differences})")
     else:
         reasons += [
             f"learned for {name} {value:g}"

@@ -99,7 +99,8 @@ def learn(
         on_run: Called after each repetition with the learner's remarks.
         on_learned: Called after each motion with what iterations leave of its
             error.
-        on_abort: Called with what was run of a repetition that something ended early.
+        on_abort: Called with what was run of a repetition that something ended early, or
+            that was not recorded.
 
     Returns:
         The run of every repetition, in order.
@@ -161,8 +162,14 @@ def learn(
             is_last = index == iterations or _has_converged(errors, patience)
             # what nobody is going to test is not served
             instruction = Instruction(known_rule, update=not is_last, restart=fresh)
-            recording = record_of(run, plant.robot, correction)
-            entry, notes = learner.record(recording, instruction)
+            try:
+                recording = record_of(run, plant.robot, correction)
+                entry, notes = learner.record(recording, instruction)
+            except BaseException:
+                # what was run is more than the reason why nobody took it
+                if on_abort is not None:
+                    on_abort(run)
+                raise
             about_run = [*run.vetoes, *run.remarks, *what_to_try(run)]
             notes = [*about_run, *_about_axes(feedforward, learned), *notes]
             if on_run is not None:

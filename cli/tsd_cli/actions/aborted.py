@@ -10,6 +10,7 @@ import typer
 from tsd_casadi.exceptions import TsdError
 from tsd_casadi.repetition.run import Run
 
+FELL = 3
 ABORTED = 4
 
 

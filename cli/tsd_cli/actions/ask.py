@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 
+from tsd_casadi.center_of_mass.correction import CenterOfMassCorrection
 from tsd_casadi.learning.axis_error import unit_of_axis
+from tsd_casadi.learning.circumstances import tell_differences
 from tsd_casadi.motions.declaration import Declaration
 from tsd_casadi.repetition.record import context_of
 from tsd_casadi.robot.robot import load_robot
@@ -32,10 +35,14 @@ def ask_feedforward(
     robot: RobotOptions,
     kind: str | None,
     extrapolate: bool,
+    com_correction: Path | None,
     services: ConnectOptions,
     output: JsonOptions,
 ) -> None:
     """Ask for a feedforward and show it.
+
+    Args:
+        com_correction: With which it was learned; None for the model's centre of mass.
 
     Raises:
         TsdError: If the learner has none, or cannot be reached.
@@ -44,6 +51,9 @@ def ask_feedforward(
     loaded = load_robot(robot.robot)
     wanted = asked_motion(motion, loaded)
     axes = chosen_axes(motion, loaded, wanted)
+    correction = ""
+    if com_correction is not None:
+        correction = CenterOfMassCorrection.load(loaded, com_correction).fingerprint
     with open_learner(services) as learner:
         message = learner.query_message(
             wanted.name,
@@ -51,7 +61,7 @@ def ask_feedforward(
             kind=kind,
             extrapolate=extrapolate,
             axes=axes,
-            context=context_of(loaded),
+            context=context_of(loaded, correction),
             version=wanted.version,
             **wanted.parameters,
         )
@@ -70,6 +80,11 @@ def _print_feedforward(message: FeedforwardMessage) -> None:
         console.print(
             "without entry {entry}: the others contradict it, it is {deviations} standard "
             "deviations off; learn it again, or forget it".format(**left_out)
+        )
+    if differences := tell_differences(feedforward.provenance.get("hardware", ())):
+        console.print(
+            f"those entries were learned on robots that differ ({differences}): learn those of "
+            "the robot of before again, or forget them"
         )
     others = f"; {message.others} entries of others" if message.others else ""
     console.print(f"context {describe_context(message.context)}{others}", highlight=False)

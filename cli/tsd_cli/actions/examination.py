@@ -16,7 +16,6 @@ from tsd_cli.options.output import JsonOptions
 from tsd_cli.output import STDOUT, check_outputs, put_out
 from tsd_clients.console.examination_tables import print_examination
 from tsd_clients.console.progress import show_activity, show_progress
-from tsd_clients.console.table import console
 from tsd_clients.film.gl_library import HINT
 from tsd_clients.film.rendering import render_postures, side_by_side
 
@@ -74,10 +73,11 @@ def _draw(robot: Robot, examination: Examination, folder: Path) -> None:
     with show_activity("drawing"):
         frames = render_postures(robot, np.array(postures))
     if frames is None:
-        console.print(HINT)
+        typer.echo(HINT, err=True)
         return
     folder.mkdir(parents=True, exist_ok=True)
     imsave(folder / "home.png", frames[0])
     for index, name in enumerate(largest):
         imsave(folder / f"{name}.png", side_by_side(frames[1 + 2 * index : 3 + 2 * index]))
-    console.print(f"pictures of home and of each motion's extremes in {folder}")
+    # as of a film: stdout may be JSON
+    typer.echo(f"pictures of home and of each motion's extremes: {folder}", err=True)

@@ -14,7 +14,7 @@ from tsd_casadi.repetition.learn import learn
 from tsd_casadi.repetition.record import context_of
 from tsd_casadi.repetition.run import Run
 from tsd_casadi.robot.robot import load_robot
-from tsd_cli.actions.aborted import ABORTED, put_out_on_interrupt
+from tsd_cli.actions.aborted import ABORTED, FELL, put_out_on_interrupt
 from tsd_cli.actions.film import Footage, open_viewer
 from tsd_cli.actions.first_feedforward import ask_first
 from tsd_cli.actions.open_learner import open_learner
@@ -63,7 +63,8 @@ def learn_by_repetition(
 
     Raises:
         TsdError: If it cannot be done as asked; what was learned before is shown.
-        typer.Exit: If a repetition was ended early; what was run of it is shown, too.
+        typer.Exit: If a repetition was ended early or the robot fell; what was run of it is
+            shown, too.
     """
     check_outputs(output, output.log)
     if output.log is not None:
@@ -188,8 +189,8 @@ def learn_by_repetition(
             story.keep_place(place, before)
     put_out_story()
     footage.make()
-    if failure is not None and story.was_aborted:
+    if failure is not None and (story.was_aborted or story.fell):
         typer.echo(f"error: {failure}", err=True)
-        raise typer.Exit(ABORTED)
+        raise typer.Exit(ABORTED if story.was_aborted else FELL)
     if failure is not None:
         raise failure

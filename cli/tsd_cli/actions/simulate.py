@@ -12,7 +12,7 @@ from tsd_casadi.repetition.run import Run
 from tsd_casadi.repetition.what_to_try import what_to_try
 from tsd_casadi.repetition.why_infeasible import why_infeasible
 from tsd_casadi.robot.robot import Robot, load_robot
-from tsd_cli.actions.aborted import keep_aborted
+from tsd_cli.actions.aborted import FELL, keep_aborted
 from tsd_cli.actions.film import Footage, open_viewer
 from tsd_cli.actions.label import describe_motion, label_of
 from tsd_cli.actions.open_learner import open_learner
@@ -39,8 +39,6 @@ from tsd_clients.console.progress import show_progress
 from tsd_clients.console.run_tables import print_runs
 from tsd_clients.logs.log_file import check_log_path
 from tsd_clients.logs.run_log import RunLog, run_log
-
-FELL = 3
 
 
 @interruptible()

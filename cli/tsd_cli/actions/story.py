@@ -28,12 +28,13 @@ class Story:
         summaries: Of the runs, plain data.
         places: Where learning went by itself, plain data.
         was_aborted: Whether something ended a repetition early.
+        fell: Whether the robot fell in one.
         remarks: What to know of all of it.
     """
 
     def __init__(self) -> None:
         """Begin with nothing."""
-        self.was_aborted = False
+        self.was_aborted = self.fell = False
         self.summaries: list[dict[str, Any]] = []
         self.places: list[dict[str, Any]] = []
         self.remarks: list[str] = []
@@ -46,9 +47,14 @@ class Story:
             typer.echo(f"note: {note}", err=True)
 
     def keep_aborted(self, run: Run) -> None:
-        """Note what was run of a repetition that something ended early."""
-        self.was_aborted = True
-        self.keep_run(run, [f"aborted after {run.ticks} periods, nothing was recorded of it"])
+        """Note what was run of a repetition that ended early, or that was not recorded."""
+        self.was_aborted |= bool(run.aborted)
+        self.fell |= run.fell
+        # of a whole one a learner that is busy may have recorded all the same
+        how = "not recorded, as far as is known"
+        if run.aborted:
+            how = f"aborted after {run.ticks} periods, nothing was recorded of it"
+        self.keep_run(run, [how])
 
     def keep_contractions(self, motion: Motion, contractions: Sequence[Contraction]) -> None:
         """Note what iterations leave of a motion's error."""

@@ -8,7 +8,7 @@ import typer
 
 from tsd_cli.option_groups import with_groups
 from tsd_cli.options.listing import ListingOptions
-from tsd_cli.options.motion import MotionOptions
+from tsd_cli.options.motion import CorrectionFile, MotionOptions
 from tsd_cli.options.output import JsonOptions
 from tsd_cli.options.robot import RobotOptions
 from tsd_cli.options.services import ConnectOptions
@@ -27,6 +27,7 @@ def query(
     extrapolate: Annotated[
         bool, typer.Option("--extrapolate", help="Answer outside the learned range too.")
     ] = False,
+    com_correction: CorrectionFile = None,
 ) -> None:
     """Ask the learner what to feed forward.
 
@@ -37,7 +38,7 @@ def query(
     """
     from tsd_cli.actions.ask import ask_feedforward
 
-    ask_feedforward(motion, robot, kind, extrapolate, services, output)
+    ask_feedforward(motion, robot, kind, extrapolate, com_correction, services, output)
 
 
 @with_groups

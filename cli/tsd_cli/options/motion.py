@@ -10,6 +10,15 @@ from typing import Annotated
 
 import typer
 
+CorrectionFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--com-correction",
+        metavar="FILE",
+        help="Corrected centre of mass, from 'tsd calibrate'.",
+    ),
+]
+
 
 @dataclass(frozen=True, kw_only=True)
 class MotionOptions:
@@ -61,14 +70,7 @@ class RepetitionOptions:
     d_scale: Annotated[
         float, typer.Option("--d-scale", metavar="FACTOR", help="Factor on the learned tasks' D.")
     ] = 1.0
-    com_correction: Annotated[
-        Path | None,
-        typer.Option(
-            "--com-correction",
-            metavar="FILE",
-            help="Corrected centre of mass, from 'tsd calibrate'.",
-        ),
-    ] = None
+    com_correction: CorrectionFile = None
     seed: Annotated[
         int,
         typer.Option("--seed", metavar="N", min=0, help="Of the starting posture's randomness."),

@@ -12,7 +12,7 @@ from tsd_casadi.wire.run_directory import is_stopped, running
 from tsd_casadi.wire.run_record import RunRecord
 from tsd_casadi.wire.zenoh_file import ZenohFile
 from tsd_clients.remote.session import Session
-from tsd_clients.remote.silence import explain_silence
+from tsd_clients.remote.silence import ANY, explain_silence
 
 # for a link, and for the answer; a service that is well takes some milliseconds [s]
 PATIENCE = 1.0
@@ -49,7 +49,7 @@ def services_here() -> list[ServiceState]:
 def services_at(endpoint: str, zenoh_file: ZenohFile | None = None) -> list[ServiceState]:
     """Ask the services at an endpoint how they are: one, or those behind a router."""
     try:
-        session = Session("*", [endpoint], zenoh_file=zenoh_file)
+        session = Session(ANY, [endpoint], zenoh_file=zenoh_file)
         try:
             session.wait_for("*", PATIENCE)
             return [
@@ -59,7 +59,7 @@ def services_at(endpoint: str, zenoh_file: ZenohFile | None = None) -> list[Serv
         finally:
             session.close()
     except ServiceUnreachable:
-        return [ServiceState([endpoint], trouble=explain_silence([endpoint]))]
+        return [ServiceState([endpoint], trouble=explain_silence(ANY, [endpoint]))]
     except TsdError as error:
         return [ServiceState([endpoint], trouble=str(error))]
 

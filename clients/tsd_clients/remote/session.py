@@ -101,7 +101,7 @@ class Session:
         if others:
             detail = f"there it serves robot {', '.join(sorted(others))}, not {robot}"
         else:
-            detail = f"waited {patience:g} s; {explain_silence(self.endpoints)}"
+            detail = f"waited {patience:g} s; {explain_silence(self.role, self.endpoints)}"
         raise ServiceUnreachable(self.role, self.endpoints, detail)
 
     def query(

@@ -13,15 +13,18 @@ from tsd_casadi.wire.run_record import RunRecord
 
 # for a connection; a machine that answers at all does so sooner [s]
 CONNECTING = 1.0
+# for the role of whoever asks all of them
+ANY = "*"
 
 
-def explain_silence(endpoints: Sequence[str]) -> str:
+def explain_silence(role: str, endpoints: Sequence[str]) -> str:
     """Tell a service that is missing from one that is frozen, for each endpoint.
 
     Args:
+        role: Of the service that is missed; ``ANY`` for whichever is there.
         endpoints: Where nobody answered.
     """
-    return "; ".join(_explain(endpoint) for endpoint in endpoints)
+    return "; ".join(_explain(role, endpoint) for endpoint in endpoints)
 
 
 def silence_of(
@@ -35,14 +38,20 @@ def silence_of(
         waited: For how long it was waited for it, if it is there [s]; None if it is not.
     """
     records = [_record_at(endpoint) for endpoint in endpoints]
-    is_frozen = any(record is not None and is_stopped(record.pid) for record in records)
+    is_frozen = any(
+        record is not None and role in (ANY, record.role) and is_stopped(record.pid)
+        for record in records
+    )
     if waited is None or is_frozen:
-        return ServiceUnreachable(role, endpoints, f"{words}; {explain_silence(endpoints)}")
+        return ServiceUnreachable(role, endpoints, f"{words}; {explain_silence(role, endpoints)}")
     return ServiceBusy(role, endpoints, waited)
 
 
-def _explain(endpoint: str) -> str:
+def _explain(role: str, endpoint: str) -> str:
     record = _record_at(endpoint)
+    if record is not None and role not in (ANY, record.role):
+        # one of two endpoints of ours, say: how that service is explains nothing
+        return f"at {endpoint} is the {record.role}, process {record.pid}"
     if record is not None and is_stopped(record.pid):
         return (
             f"the {record.role} at {endpoint} is frozen: process {record.pid} is stopped, "

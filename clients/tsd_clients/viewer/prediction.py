@@ -8,6 +8,7 @@ import numpy as np
 
 from tsd_casadi.learning.axis_error import unit_of_axis
 from tsd_casadi.learning.band import Band
+from tsd_casadi.learning.circumstances import tell_differences
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.state import Vector
 from tsd_casadi.wire.learner import EntryMessage
@@ -112,6 +113,8 @@ class Prediction:
             if band.kind == kind
         ]
         said += self._about_bound(feedforward)
+        if differences := tell_differences(feedforward.provenance.get("hardware", ())):
+            said.append(f"its entries were learned on robots that differ ({differences})")
         if feedforward.provenance.get("others"):
             said.append(
                 f"{feedforward.provenance['others']} entries of other contexts do not count"
