@@ -8,7 +8,7 @@ from sklearn.gaussian_process.kernels import ConstantKernel, DotProduct, Exponen
 
 from tsd_casadi.generalization import gaussian_process
 from tsd_casadi.generalization.gaussian_process import NEAREST, GaussianProcess
-from tsd_casadi.generalization.kernel import NEXT_DEGREE, VAGUE, Kernel
+from tsd_casadi.generalization.kernel import NEXT_DEGREE, PLANE, Kernel
 
 KERNEL = Kernel(0.2, 0.4, 1e-3, np.array([0.8, 1.7]))
 
@@ -26,8 +26,8 @@ def reference(kernel: Kernel, noise: np.ndarray) -> GaussianProcessRegressor:
     """The same in scikit-learn; the noise, that of the kernel too, is its alpha."""
     product = DotProduct(0.0, "fixed")
     same = (
-        ConstantKernel(VAGUE)
-        + ConstantKernel(VAGUE) * product
+        ConstantKernel(PLANE)
+        + ConstantKernel(PLANE) * product
         + ConstantKernel(kernel.higher / 4) * Exponentiation(product, 2)
         + ConstantKernel(NEXT_DEGREE * kernel.higher / 4) * Exponentiation(product, 3)
         + ConstantKernel(kernel.rough) * Matern(kernel.lengths, nu=2.5)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import approx_fprime
 from sklearn.gaussian_process.kernels import ConstantKernel, DotProduct, Exponentiation, Matern
 
-from tsd_casadi.generalization.kernel import NEXT_DEGREE, VAGUE, Kernel
+from tsd_casadi.generalization.kernel import NEXT_DEGREE, PLANE, Kernel
 
 FEW = settings(max_examples=settings.default.max_examples // 5)
 HYPERPARAMETERS = st.lists(st.floats(-3.0, 1.0), min_size=5, max_size=5).map(np.array)
@@ -23,8 +23,8 @@ def test_it_is_the_sum_of_a_polynomial_and_a_matern_process(theta: np.ndarray, s
     kernel = Kernel.of_logarithms(theta)
     product = DotProduct(0.0, "fixed")
     expected = (
-        ConstantKernel(VAGUE)
-        + ConstantKernel(VAGUE) * product
+        ConstantKernel(PLANE)
+        + ConstantKernel(PLANE) * product
         + ConstantKernel(kernel.higher / 4) * Exponentiation(product, 2)
         + ConstantKernel(NEXT_DEGREE * kernel.higher / 4) * Exponentiation(product, 3)
         + ConstantKernel(kernel.rough) * Matern(kernel.lengths, nu=2.5)

@@ -80,10 +80,10 @@ def test_axes_do_not_mix() -> None:
 
 def test_the_factor_is_the_quantile_of_students_distribution() -> None:
     # without an entry beyond those of a plane three numbers are left to tell the scale, with each
-    # further one four more: tables of Student's t at 97.725 %
+    # further one two more: tables of Student's t at 97.725 %
     assert 2 * student_factor(4, 3) == pytest.approx(3.307, rel=1e-3)
-    assert 2 * student_factor(4, 2) == pytest.approx(2.429, rel=1e-3)
-    assert 2 * student_factor(6, 3) == pytest.approx(2.255, rel=1e-3)
+    assert 2 * student_factor(4, 2) == pytest.approx(2.649, rel=1e-3)
+    assert 2 * student_factor(6, 3) == pytest.approx(2.429, rel=1e-3)
 
 
 def test_many_entries_need_no_factor() -> None:

@@ -9,12 +9,11 @@ import pytest
 from scipy.interpolate import LinearNDInterpolator
 
 from tsd_casadi.encoding.periodic_basis import PeriodicBasis
-from tsd_casadi.encoding.steadiness import ABSOLUTE_TOLERANCE
 from tsd_casadi.exceptions import EntryNotFound, OutsideTrainedRange
 from tsd_casadi.generalization import weight_regression
-from tsd_casadi.generalization.kernel import NEXT_DEGREE, VAGUE
+from tsd_casadi.generalization.kernel import NEXT_DEGREE, PLANE
 from tsd_casadi.generalization.predictive_deviation import student_factor
-from tsd_casadi.generalization.weight_regression import WeightRegression
+from tsd_casadi.generalization.weight_regression import KNOWN, WeightRegression
 from tsd_casadi.learning.feedforward import Feedforward
 from tsd_casadi.motions.squat import Squat
 
@@ -80,8 +79,8 @@ class ClosedForm:
         shares = (inputs - inputs.min(axis=0)) / np.ptp(inputs, axis=0)
         width = np.sqrt(12 * np.mean(shares.var(axis=0)))
         self.spread = np.sqrt(np.mean(self.y.var(axis=0))) / width
-        # entries are known no better than laps that agree are
-        self.known = (ABSOLUTE_TOLERANCE / self.spread) ** 2
+        # no entry is known exactly
+        self.known = (KNOWN / self.spread) ** 2
 
     def covariance(self, one: np.ndarray, other: np.ndarray) -> np.ndarray:
         k = self.kernel
@@ -89,7 +88,7 @@ class ClosedForm:
         matern = (1 + np.sqrt(5) * r + 5 / 3 * r**2) * np.exp(-np.sqrt(5) * r)
         dot = one @ other.T
         higher = k.higher * (dot / one.shape[1]) ** 2 * (1 + NEXT_DEGREE * dot)
-        trend = VAGUE * (1 + dot) + higher
+        trend = PLANE * (1 + dot) + higher
         return np.asarray(trend + k.rough * matern)
 
     def predict(self, x: np.ndarray, used: np.ndarray) -> tuple[np.ndarray, float]:

@@ -20,11 +20,12 @@ from tsd_casadi.state import Matrix, Vector
 # query stays a matter of milliseconds however many there are
 NEAREST = 120
 # hyperparameters before anything is known: medians of log-normal distributions. Curvature and the
-# rest, in units of a plane's slope, about what many entries of squats say; the noise (the most by
-# which learning the same once more with other sensor noise differs); and a length scale as long as
-# the learned range, which is 2 wide
-MEDIANS = (0.1, 0.1, 1e-4)
-LENGTH = 2.0
+# rest, in units of a plane's slope: about half of what many entries of squats say, with which the
+# deviations that three or four entries tell hold as often as they should; the noise (the most by
+# which learning the same once more with other sensor noise differs); and a length scale of three
+# quarters of the learned range, which is 2 wide
+MEDIANS = (0.07, 0.07, 1e-4)
+LENGTH = 1.5
 # their standard deviations: a factor of 7 up and down, of the length scales 2. Few entries
 # leave the medians, many override them
 SPREAD = 2.0

@@ -2,10 +2,10 @@ r"""How alike the weights at two places are before anything is known of them.
 
 .. math::
 
-    k(x, x') = v (1 + p) + q\, (p / d)^2 (1 + p / 10) + r\, m(|x - x'|_\lambda), \qquad p = x^T x'
+    k(x, x') = a (1 + p) + q\, (p / d)^2 (1 + p / 10) + r\, m(|x - x'|_\lambda), \qquad p = x^T x'
 
-A plane of which nothing is known before, v is large; a polynomial of second and third
-degree whose coefficients are normal [Rasmussen and Williams, Gaussian Processes for
+A plane as steep as the entries are, a is fixed; a polynomial of second and third degree
+whose coefficients are normal [Rasmussen and Williams, Gaussian Processes for
 Machine Learning, sections 2.7 and 4.2.2]; and a Matern 5/2 process m [ibid., eq. 4.17]
 with a length scale lambda for each parameter. Of q and r only what the entries have
 beyond a plane tells, which d + 1 of them have not at all. Rigid-body dynamics
@@ -27,9 +27,11 @@ from tsd_casadi.state import Matrix, Vector
 # what the third degree has of the variance of the second. Half of it predicts as well, three times
 # as much worse; with a hyperparameter of its own a handful of entries was predicted worse
 NEXT_DEGREE = 0.1
-# variance of the plane's coefficients: that of targets is about one, so that a plane through them
-# is hardly drawn towards zero, by a hundredth at most; much larger ones cost digits
-VAGUE = 30.0
+# variance of the plane's coefficients. Targets are in units of the slope of entries that a plane
+# explains, the squares of its coefficients are three together: to fit this would tell that once
+# more, and from two entries that nothing is left. With ten times as much three entries that nearly
+# lie on a line are continued across it as if they told something there
+PLANE = 2.0
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,7 @@ class Kernel:
         )
 
     def _trend(self, product: NDArray[np.float64]) -> NDArray[np.float64]:
-        return VAGUE * (1 + product) + self.higher * self._higher(product)
+        return PLANE * (1 + product) + self.higher * self._higher(product)
 
     def _higher(self, product: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray((product / len(self.lengths)) ** 2 * (1 + NEXT_DEGREE * product))

@@ -33,9 +33,10 @@ SAMPLES = 8
 COVERED = 2.0
 POINTS = 0.954  # share of the points that these are
 # of the residuals of one entry's curve, that many are independent: what each entry beyond those
-# that a plane takes tells of the scale. Without any nothing tells it: three, the least with which
-# Student's distribution has a standard deviation at all
-INDEPENDENT = 4
+# that a plane takes tells of the scale, by how often points of held-out curves lie within it.
+# Without any nothing tells it: three, the least with which Student's distribution has a standard
+# deviation at all
+INDEPENDENT = 2
 LEAST_FREEDOM = 3
 # whole curves differ in how far off they are, some places are harder than others: their
 # magnitudes are as widely spread as if they had been estimated from so few numbers

@@ -45,6 +45,9 @@ from tsd_casadi.state import Matrix, Vector
 # hyperparameters are fitted to so many entries at most: a matter of seconds, and more entries
 # hardly change them
 FITTED = NEAREST
+# no weight is known better than that [m/s^2, rad/s^2]: a tenth of what laps that agree differ by,
+# all of which is a hundredth of how entries differ in a simulation without friction
+KNOWN = ABSOLUTE_TOLERANCE / 10
 # parameters that can count by their ratios do, unless straight the entries are more probable by a
 # factor of exp(3) for each weight. What was learned on the simulated hardware is within +-4 of
 # that logarithm, mostly in favour of ratios; weights that are a polynomial are at -46
@@ -235,9 +238,8 @@ class WeightRegression:
         self, shape: tuple[int, ...], uncertainties: Sequence[Matrix | None] | None
     ) -> Matrix:
         """Compute the variance of the noise that is known to be there, (k, n)."""
-        # nothing is known better than laps that agree do: where an axis hardly moves, rounding is
-        # neither a signal nor a contradiction
-        noise = np.tile((ABSOLUTE_TOLERANCE / self._spread[:, None]) ** 2, (1, shape[1]))
+        # where an axis hardly moves, rounding is neither a signal nor a contradiction
+        noise = np.tile((KNOWN / self._spread[:, None]) ** 2, (1, shape[1]))
         for index, each in enumerate(uncertainties or ()):
             if each is not None:
                 known = np.mean((each / self._spread[:, None]) ** 2, axis=1)
