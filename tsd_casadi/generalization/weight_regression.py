@@ -49,9 +49,9 @@ FITTED = NEAREST
 # all of which is a hundredth of how entries differ in a simulation without friction
 KNOWN = ABSOLUTE_TOLERANCE / 10
 # parameters that can count by their ratios do, unless straight the entries are more probable by a
-# factor of exp(3) for each weight. What was learned on the simulated hardware is within +-4 of
-# that logarithm, mostly in favour of ratios; weights that are a polynomial are at -46
-MUCH_MORE = 3.0
+# factor of e for each weight. The logarithm of what three to fifteen entries of the simulated
+# hardware say is from -1.1 to 3 in favour of ratios; of four entries without friction -2.6 to -1.3
+MUCH_MORE = 1.0
 
 
 class WeightRegression:
