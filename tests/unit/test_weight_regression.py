@@ -207,6 +207,15 @@ def test_what_steps_along_one_parameter_has_a_short_length_scale_there() -> None
     assert scales["frequency"] > 1.5 * scales["amplitude"]
 
 
+@pytest.mark.parametrize("ends", [(0.02, 0.08), (0.04, 0.05)])
+def test_two_entries_tell_nothing_of_what_lies_between_them(ends: tuple[float, float]) -> None:
+    regression = regression_of(along(*ends))
+    middle = sum(ends) / 2
+    mean, deviation = regression.predict(at(middle))
+    off = np.abs((mean - learned((middle,))) @ BASIS.values(LAP).T)
+    assert np.mean(off <= 2 * deviation @ BASIS.values(LAP).T) > 0.9
+
+
 def test_uncertainty_grows_away_from_the_entries() -> None:
     places = [(0.08, 0.6), (0.09, 0.65), (0.12, 0.8), (0.3, 2.0)]
     deviations = [

@@ -36,7 +36,7 @@ PLANE = 2.0
 
 @dataclass(frozen=True)
 class Kernel:
-    """The kernel with its hyperparameters, for targets with a variance of about one.
+    """The kernel with its hyperparameters, for targets in units of a plane's slope.
 
     Attributes:
         higher: q, of the second degree, and of the third in proportion.
