@@ -86,6 +86,11 @@ def test_the_factor_is_the_quantile_of_students_distribution() -> None:
     assert 2 * student_factor(6, 3) == pytest.approx(2.429, rel=1e-3)
 
 
+@pytest.mark.parametrize("entries", [1, 4, 8])
+def test_fewer_entries_than_a_plane_takes_tell_no_less_than_nothing(entries: int) -> None:
+    assert student_factor(entries, 7) == student_factor(8, 7)
+
+
 def test_many_entries_need_no_factor() -> None:
     assert student_factor(100_000, 3) == pytest.approx(1.0, abs=1e-3)
 

@@ -347,6 +347,17 @@ def test_a_polynomial_of_the_parameters_is_found(
     np.testing.assert_allclose(mean[0], 0.03 * sine + 0.25 * cosine, atol=accuracy)
 
 
+def test_a_polynomial_of_four_entries_counts_straight() -> None:
+    """The fewest with which it is told: by ratios a curve through them is off."""
+    sine, cosine = np.sin(BASIS.centers), np.cos(BASIS.centers)
+    weights = [np.stack([a * sine + 4 * a**2 * cosine] * 2) for a in AMPLITUDES]
+    inputs = np.array(AMPLITUDES)[:, None]
+    regression = WeightRegression(DECLARATION, NAMES[:1], inputs, weights, BASIS)
+    assert not regression._coordinates.by_ratio
+    mean, _ = regression.predict(at(0.05))
+    np.testing.assert_allclose(mean[0], 0.05 * sine + 4 * 0.05**2 * cosine, atol=2e-4)
+
+
 def test_the_acceleration_of_a_motion_is_found() -> None:
     """Amplitude times the square of the frequency, of third degree."""
     places = [(a, f) for a in AMPLITUDES for f in (0.2, 0.3, 0.4, 0.5, 0.6)]

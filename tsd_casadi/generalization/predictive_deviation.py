@@ -136,4 +136,5 @@ def student_factor(entries: int, parameters: int, deviations: float = COVERED) -
 
 def _freedom(entries: int, parameters: int) -> int:
     """Count the independent numbers that the scale is the mean of."""
-    return LEAST_FREEDOM + INDEPENDENT * (entries - parameters - 1)
+    # fewer than a plane takes are left where entries that disagree were taken out
+    return LEAST_FREEDOM + INDEPENDENT * max(0, entries - parameters - 1)
